@@ -1,0 +1,99 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// All parameters, each name written once: the ROS loader, the command line, the printer and the tests walk
+/// visitParams(params, f), which calls f(name, field, help).
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cloud_colorizer/chunks.hpp"
+#include "cloud_colorizer/depth.hpp"
+#include "cloud_colorizer/graph.hpp"
+#include "cloud_colorizer/observe.hpp"
+#include "cloud_colorizer/recording.hpp"
+#include "cloud_colorizer/surfels.hpp"
+#include "cloud_colorizer/system.hpp"
+
+namespace cloud_colorizer {
+
+enum class Method { kDefault, kPaper, kMean, kMedian, kClosest };
+enum class Uncolored { kKeep, kDrop, kFill };
+
+struct ColorizeParams {
+  Method method = Method::kDefault;
+  Uncolored uncolored = Uncolored::kKeep;
+  double fill_distance = 0.3;  ///< m; `uncolored: fill` takes the colour of the nearest coloured point within it
+  int num_threads = 0;         ///< 0: one a core
+  double memory_limit = 1500;  ///< MB for chunks in work, images and depth images together
+
+  void check() const;
+};
+
+struct Params {
+  RecordParams record;
+  SurfelParams surfels;
+  DepthParams depth;
+  ObserveParams observe;
+  GraphParams graph;
+  SystemParams system;
+  ChunkParams chunks;
+  ColorizeParams colorize;
+
+  void check() const;  ///< of every member; throws std::invalid_argument with name, value and what is allowed
+};
+
+/// Names of an enumeration's values, in order.
+std::vector<std::string> enumNames(Method);
+std::vector<std::string> enumNames(Uncolored);
+std::vector<std::string> enumNames(SolverKind);
+std::vector<std::string> enumNames(AnchorKind);
+
+template <class ParamsT, class F>
+void visitParams(ParamsT& p, F&& f) {
+  f("method", p.colorize.method, "default, paper, mean, median or closest");
+  f("voxel_size", p.record.voxel_size, "m; one point a voxel is kept; 0 keeps all");
+  f("min_range", p.record.min_range, "m from the sensor; nearer points are dropped");
+  f("max_range", p.record.max_range, "m from the sensor; farther points are dropped");
+  f("keyframe_distance", p.record.keyframe_distance, "m that a camera moves before its next view is kept");
+  f("keyframe_angle", p.record.keyframe_angle, "deg that a camera turns before its next view is kept");
+  f("tile_size", p.record.tile_size, "m, side of a tile of the recording; 0: 200 voxels");
+  f("max_open_tiles", p.record.max_open_tiles, "tiles whose voxels are held in memory while recording");
+  f("num_neighbors", p.surfels.num_neighbors, "points that give a surfel's normal and radius");
+  f("depth_cell_size", p.depth.depth_cell_size, "px of the image to a cell of the depth image");
+  f("depth_tolerance", p.depth.depth_tolerance, "share of the depth by which a visible point may lie behind");
+  f("depth_edge_guard", p.depth.depth_edge_guard, "px beside a depth edge where a view counts little");
+  f("max_view_distance", p.depth.max_view_distance, "m; views farther away do not colour a point");
+  f("max_views", p.observe.max_views, "a point keeps its best views up to this number");
+  f("image_border", p.observe.image_border, "px at the border of an image that are not used");
+  f("passes", p.graph.passes, "1 to 4 Z-order passes");
+  f("edge_length_ratio", p.graph.edge_length_ratio, "local spacings beyond which an edge counts less; 0: all alike");
+  f("lambda", p.system.lambda, "weight of the gradients against the data, eq. (1)");
+  f("anchors", p.system.anchors, "random or consistent: which points are held to their data");
+  f("anchor_share", p.system.anchor_share, "share of the points that are anchors");
+  f("gradient_distance", p.system.gradient_distance, "m; views within it give gradients, eq. (4); 0: all");
+  f("min_data_weight", p.system.min_data_weight, "data weight of the points that are no anchors");
+  f("no_evidence_weight", p.system.no_evidence_weight, "weight of edges that no view sees whole; 0 drops them");
+  f("solver", p.system.solver, "cholmod or spqr");
+  f("max_chunk_points", p.chunks.max_chunk_points, "points of a chunk's core");
+  f("overlap", p.chunks.overlap, "halo of a chunk as a share of its side");
+  f("uncolored", p.colorize.uncolored, "keep, drop or fill the points that no view sees");
+  f("fill_distance", p.colorize.fill_distance, "m within which an unseen point takes a neighbour's colour");
+  f("num_threads", p.colorize.num_threads, "0: one a core");
+  f("memory_limit", p.colorize.memory_limit, "MB for chunks, images and depth images together");
+}
+
+/// Sets one parameter from text. Throws std::invalid_argument: unknown name (with the nearest known one), no number,
+/// unknown word (with the allowed ones).
+void setParam(Params& params, const std::string& name, const std::string& text);
+
+/// (name, value as text, help) of every parameter, in the order of visitParams.
+struct ParamText {
+  std::string name, value, help;
+};
+std::vector<ParamText> describeParams(const Params& params);
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// A view: one image of one camera with its pose.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace cloud_colorizer {
+
+struct View {
+  std::uint32_t camera = 0;  ///< index into the recording's cameras
+  double stamp = 0;          ///< s, of the image, after the camera's time offset
+  Eigen::Isometry3d map_from_camera = Eigen::Isometry3d::Identity();  ///< optical frame to map, relative to the origin
+  std::string image;                                                  ///< file, relative to the recording
+};
+
+/// Image of a view: CV_8U, CV_16U or CV_32F with m channels; colour images are RGB (not BGR). Shared, never written to.
+using ImageSource = std::function<std::shared_ptr<const cv::Mat>(std::size_t view)>;
+
+/// What makes the values of one view comparable with the others': corrected = gain * value + offset, by channel.
+/// Empty arrays mean gain 1 and offset 0.
+struct Exposure {
+  Eigen::ArrayXf gain;
+  Eigen::ArrayXf offset;
+};
+
+}  // namespace cloud_colorizer

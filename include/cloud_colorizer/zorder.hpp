@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Z-order (Morton) keys on one grid for the whole map, and the orders of the mirrored passes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "cloud_colorizer/types.hpp"
+
+namespace cloud_colorizer {
+
+/// 21 bits an axis: at a cell of 1 cm the grid spans 20.9 km.
+constexpr int kZOrderBits = 21;
+
+struct ZOrderGrid {
+  Eigen::Vector3f origin = Eigen::Vector3f::Zero();  ///< m, lower corner
+  float cell = 0.01F;                                ///< m
+};
+
+/// Key of every point: bits x0 y0 z0 x1 y1 z1 ... from the lowest. Throws std::out_of_range beyond the grid.
+std::vector<std::uint64_t> zorderKeys(PointsRef points, const ZOrderGrid& grid);
+
+/// Passes in the order of the paper: (x,y,z), (-x,y,z), (x,-y,z), (x,y,-z). Mirroring an axis inverts its bits, so the
+/// key of a pass is `key ^ zorderMask(pass)`.
+constexpr int kMaxPasses = 4;
+std::uint64_t zorderMask(int pass);
+
+/// Indices by ascending `key ^ mask`; equal keys by ascending index.
+std::vector<std::uint32_t> zorderSort(const std::vector<std::uint64_t>& keys, std::uint64_t mask);
+
+}  // namespace cloud_colorizer
