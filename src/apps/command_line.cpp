@@ -45,7 +45,9 @@ std::size_t paramNameLength(const std::string& argument) {
 class Parser {
  public:
   Parser(int argc, const char* const* argv, const CommandSpec& spec)
-      : arguments_(argv + std::min(argc, 1), argv + argc), spec_(spec) {}
+      : arguments_(argv + std::min(argc, 1), argv + argc), spec_(spec) {
+    line_.params = spec.defaults;
+  }
 
   CommandLine parse() {
     bool only_positionals = false;
@@ -201,7 +203,8 @@ std::string helpText(const CommandSpec& spec) {
   printRow(out, "--help", "this text");
   if (spec.takes_params) {
     out << "\nParameters, with their defaults (the same names as the node's):\n";
-    for (const ParamText& param : describeParams(Params{})) printRow(out, param.name + "=" + param.value, param.help);
+    for (const ParamText& param : describeParams(spec.defaults))
+      printRow(out, param.name + "=" + param.value, param.help);
   }
   out << "\nExit codes: 0 done, 1 failed, 2 bad command line, 130 cancelled by Ctrl-C.\n";
   return out.str();

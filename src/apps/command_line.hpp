@@ -37,6 +37,7 @@ struct CommandSpec {
   std::string positionals;  ///< as the usage line shows them, e.g. "DRIVE.bag [DRIVE2.bag ...]"
   std::size_t min_positionals = 0, max_positionals = 0;
   std::vector<OptionSpec> options;
+  Params defaults;           ///< what a program starts from, where it is not Params{}
   bool takes_params = true;  ///< `name=value` sets a parameter; the help lists them all
 };
 

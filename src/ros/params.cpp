@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <sstream>
 
 #include "cloud_colorizer/check.hpp"
@@ -68,20 +67,6 @@ std::string toText(double value) {
   return {};
 }
 
-std::size_t editDistance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t changed = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({changed, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
-
 void flattenInto(const std::string& name, XmlRpc::XmlRpcValue value, std::map<std::string, std::string>& texts) {
   using XmlRpc::XmlRpcValue;
   switch (value.getType()) {
@@ -126,17 +111,6 @@ void NodeParams::check() const {
   requireInRange("max_published_points", max_published_points, 1, 50000000);
 }
 
-std::string suggestNames(const std::string& name, const std::vector<std::string>& known) {
-  std::vector<std::pair<std::size_t, std::string>> ranked;
-  for (const std::string& candidate : known) ranked.emplace_back(editDistance(name, candidate), candidate);
-  std::sort(ranked.begin(), ranked.end());
-  std::string text;
-  for (std::size_t i = 0; i < std::min<std::size_t>(3, ranked.size()); ++i) {
-    text += (i == 0 ? "did you mean " : " or ") + ranked[i].second;
-  }
-  return text + "?";
-}
-
 AllParams paramsFromText(const std::map<std::string, std::string>& texts) {
   AllParams params;
   std::map<std::string, std::string> rest = texts;
@@ -160,7 +134,7 @@ AllParams paramsFromText(const std::map<std::string, std::string>& texts) {
   known.insert(known.end(), core.begin(), core.end());
   for (const auto& [name, text] : rest) {
     require<std::invalid_argument>(std::find(core.begin(), core.end(), name) != core.end(), "unknown parameter ~", name,
-                                   " = \"", text, "\"; ", suggestNames(name, known));
+                                   " = \"", text, "\"; did you mean ~", nearestName(name, known), "?");
     setParam(params.core, name, text);
   }
   params.node.collector.record = params.core.record;

@@ -78,7 +78,4 @@ std::map<std::string, std::string> flattenParams(const XmlRpc::XmlRpcValue& valu
 /// Reads the private parameters of this node and logs each at start.
 AllParams loadParams();
 
-/// The names of `known` that look most like `name`, as a phrase: "did you mean voxel_size?".
-std::string suggestNames(const std::string& name, const std::vector<std::string>& known);
-
 }  // namespace cloud_colorizer
