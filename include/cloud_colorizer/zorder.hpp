@@ -4,7 +4,6 @@
 /// Z-order (Morton) keys on one grid for the whole map, and the orders of the mirrored passes.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -17,18 +16,19 @@ constexpr int kZOrderBits = 21;
 
 struct ZOrderGrid {
   Eigen::Vector3f origin = Eigen::Vector3f::Zero();  ///< m, lower corner
-  float cell = 0.01F;                                ///< m
+  float cell = 0.01F;                                ///< m, > 0
 };
 
-/// Key of every point: bits x0 y0 z0 x1 y1 z1 ... from the lowest. Throws std::out_of_range beyond the grid.
+/// Key of every point: bits x0 y0 z0 x1 y1 z1 ... from the lowest. Throws std::out_of_range beyond the grid and for
+/// NaN.
 std::vector<std::uint64_t> zorderKeys(PointsRef points, const ZOrderGrid& grid);
 
 /// Passes in the order of the paper: (x,y,z), (-x,y,z), (x,-y,z), (x,y,-z). Mirroring an axis inverts its bits, so the
-/// key of a pass is `key ^ zorderMask(pass)`.
+/// key of a pass is `key ^ zorderMask(pass)`. Throws std::invalid_argument for another pass.
 constexpr int kMaxPasses = 4;
 std::uint64_t zorderMask(int pass);
 
-/// Indices by ascending `key ^ mask`; equal keys by ascending index.
+/// Indices by ascending `key ^ mask`; equal keys by ascending index. O(n): a radix sort over the bytes that differ.
 std::vector<std::uint32_t> zorderSort(const std::vector<std::uint64_t>& keys, std::uint64_t mask);
 
 }  // namespace cloud_colorizer

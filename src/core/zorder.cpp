@@ -1,3 +1,81 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_colorizer/zorder.hpp"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "cloud_colorizer/check.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+constexpr std::uint64_t kAxisMax = (std::uint64_t{1} << kZOrderBits) - 1;
+
+/// Moves bit i to bit 3 i.
+constexpr std::uint64_t spreadBits(std::uint64_t x) {
+  x = (x | x << 32) & 0x001f00000000ffff;
+  x = (x | x << 16) & 0x001f0000ff0000ff;
+  x = (x | x << 8) & 0x100f00f00f00f00f;
+  x = (x | x << 4) & 0x10c30c30c30c30c3;
+  x = (x | x << 2) & 0x1249249249249249;
+  return x;
+}
+
+std::uint64_t gridCoordinate(PointsRef points, Eigen::Index p, int axis, const ZOrderGrid& grid) {
+  // In double: the difference of two floats is exact enough that a chunk and the whole map agree.
+  const double cells = std::floor((static_cast<double>(points(axis, p)) - grid.origin(axis)) / grid.cell);
+  require<std::out_of_range>(cells >= 0 && cells <= static_cast<double>(kAxisMax), "point ", p, ": ", "xyz"[axis],
+                             " = ", points(axis, p), " m lies outside of the Z-order grid from ", grid.origin(axis),
+                             " m with ", kAxisMax + 1, " cells of ", grid.cell, " m; use a larger cell");
+  return static_cast<std::uint64_t>(cells);
+}
+
+}  // namespace
+
+std::vector<std::uint64_t> zorderKeys(PointsRef points, const ZOrderGrid& grid) {
+  require<std::invalid_argument>(std::isfinite(grid.cell) && grid.cell > 0 && grid.origin.allFinite(),
+                                 "Z-order grid: cell = ", grid.cell,
+                                 " m must be greater than 0, and the origin finite");
+  std::vector<std::uint64_t> keys(static_cast<std::size_t>(points.cols()));
+  for (Eigen::Index p = 0; p < points.cols(); ++p) {
+    std::uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis) key |= spreadBits(gridCoordinate(points, p, axis, grid)) << axis;
+    keys[static_cast<std::size_t>(p)] = key;
+  }
+  return keys;
+}
+
+std::uint64_t zorderMask(int pass) {
+  requireInRange("passes", pass, 0, kMaxPasses - 1);
+  return pass == 0 ? 0 : spreadBits(kAxisMax) << (pass - 1);
+}
+
+std::vector<std::uint32_t> zorderSort(const std::vector<std::uint64_t>& keys, std::uint64_t mask) {
+  require<std::out_of_range>(keys.size() <= std::numeric_limits<std::uint32_t>::max(), keys.size(),
+                             " points exceed the 32-bit indices; use smaller chunks");
+  struct Item {
+    std::uint64_t key;
+    std::uint32_t index;
+  };
+  std::vector<Item> items(keys.size()), sorted(keys.size());
+  std::uint64_t differing = 0;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    items[i] = {keys[i] ^ mask, static_cast<std::uint32_t>(i)};
+    differing |= keys[i] ^ keys[0];
+  }
+  for (int shift = 0; shift < 64; shift += 8) {
+    if ((differing >> shift & 0xff) == 0) continue;
+    std::array<std::uint32_t, 257> starts{};
+    for (const Item& item : items) ++starts[(item.key >> shift & 0xff) + 1];
+    for (std::size_t b = 1; b < starts.size(); ++b) starts[b] += starts[b - 1];
+    for (const Item& item : items) sorted[starts[item.key >> shift & 0xff]++] = item;
+    items.swap(sorted);
+  }
+  std::vector<std::uint32_t> order(keys.size());
+  for (std::size_t i = 0; i < items.size(); ++i) order[i] = items[i].index;
+  return order;
+}
+
+}  // namespace cloud_colorizer

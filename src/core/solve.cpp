@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_colorizer/solve.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include "cloud_colorizer/check.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+/// Seconds since the last call.
+class StopWatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double>(now - std::exchange(start_, now)).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+void checkSeen(PointsRef points, const Observations& observations, const Fused& data) {
+  checkObservations(observations);
+  require<std::invalid_argument>(static_cast<Eigen::Index>(observations.numPoints()) == points.cols() &&
+                                     data.values.cols() == points.cols() && data.count.size() == points.cols(),
+                                 points.cols(), " points, observations of ", observations.numPoints(),
+                                 " and fused values of ", data.values.cols(), " must be equally many");
+  require<std::invalid_argument>(points.cols() == 0 || data.count.minCoeff() > 0,
+                                 "a point without views cannot be in the graph: leave it out");
+}
+
+}  // namespace
+
+Solution solveWithStatistics(PointsRef points, const Observations& observations, const Fused& data,
+                             const ZOrderGrid& grid, const GraphParams& graph_params,
+                             const SystemParams& system_params) {
+  system_params.check();
+  checkSeen(points, observations, data);
+  Solution solution;
+  StopWatch watch;
+  std::vector<Edge> edges = zorderGraph(points, grid, graph_params);  // N of eq. (3)
+  solution.num_edges = edges.size();
+  solution.seconds.graph = watch.lap();
+  Gradients gradients =  // eq. (4)
+      edgeGradients(edges, observations, system_params.gradient_distance, data.observation_weights);
+  edges = weighEvidence(std::move(edges), gradients, system_params.no_evidence_weight);
+  solution.seconds.gradients = watch.lap();
+  const Eigen::VectorXf data_weights = dataWeights(points, data, edges, system_params);  // a_p of eq. (2)
+  const LinearSystem system =                                                            // eq. (5)
+      assembleSystem(edges, gradients.values, data.values, data_weights, system_params.lambda);
+  solution.seconds.assembly = watch.lap();
+  edges = {};  // the factor is the largest object of all; make room for it
+  gradients = {};
+  const Factorization factorization(system.matrix, system_params.solver);
+  solution.seconds.factor = watch.lap();
+  solution.values = factorization.solve(system.rhs).transpose().cast<float>();
+  solution.seconds.solve = watch.lap();
+  return solution;
+}
+
+Values solveValues(PointsRef points, const Observations& observations, const Fused& data, const ZOrderGrid& grid,
+                   const GraphParams& graph_params, const SystemParams& system_params) {
+  return solveWithStatistics(points, observations, data, grid, graph_params, system_params).values;
+}
+
+}  // namespace cloud_colorizer
