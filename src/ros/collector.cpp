@@ -52,7 +52,8 @@ struct ImageMessage {
 
 /// A view whose image may still be with an encoder.
 struct PendingView {
-  std::uint32_t camera = 0;
+  std::size_t camera = 0;  ///< of the collector
+  std::uint32_t id = 0;    ///< of the recording
   double stamp = 0;
   Isometry map_from_camera;
   Intrinsics intrinsics;
@@ -337,7 +338,8 @@ struct Collector::Impl {
     if (!camera.info) throw NotYet{{Outcome::kNoCameraInfo, "no camera_info has come"}};
     if (!camera.id) throw Refused{Outcome::kBadCameraInfo, camera.info_error};
     PendingView view;
-    view.camera = *camera.id;
+    view.camera = static_cast<std::size_t>(&camera - cameras.data());
+    view.id = *camera.id;
     view.intrinsics = camera.intrinsics;
     view.stamp = image.header.stamp.toSec() + camera.params.time_offset;
     view.map_from_camera = lookUp(map_frame, withoutSlash(image.header.frame_id), view.stamp);
@@ -385,13 +387,13 @@ struct Collector::Impl {
       view.extension = encoded.extension;
       view.bytes = std::make_shared<const std::vector<std::uint8_t>>(std::move(encoded.bytes));
     }
-    recorder->addView(view.camera, view.stamp, view.map_from_camera, *view.bytes, view.extension);
+    recorder->addView(view.id, view.stamp, view.map_from_camera, *view.bytes, view.extension);
     if (!events.view_kept) return;
     View kept;
-    kept.camera = view.camera;
+    kept.camera = view.id;
     kept.stamp = view.stamp;
     kept.map_from_camera = view.map_from_camera;
-    events.view_kept(kept, view.intrinsics, view.bytes);
+    events.view_kept(view.camera, kept, view.intrinsics, view.bytes);
   }
 
   // ---- queues ----

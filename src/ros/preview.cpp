@@ -22,7 +22,7 @@ struct Seen {
   float depth;
 };
 
-/// The nearest depth in every cell, spread to the neighbours so that sparse points hide what is behind.
+/// The nearest depth in every cell.
 cv::Mat1f coarseDepth(const std::vector<Seen>& seen, const Intrinsics& intrinsics) {
   const int rows = static_cast<int>(static_cast<float>(intrinsics.height) / kCell) + 1;
   const int cols = static_cast<int>(static_cast<float>(intrinsics.width) / kCell) + 1;
@@ -156,26 +156,36 @@ VoxelThinner::VoxelThinner(double voxel_size, std::size_t max_points)
 
 void VoxelThinner::add(const Cloud& cloud) {
   keepFirsts(cloud);
-  while (static_cast<std::size_t>(cloud_.positions.cols()) > max_points_) {
+  while (positions_.size() > max_points_) {
     voxel_size_ *= 2;
+    const Cloud all = this->cloud();
     taken_.clear();
-    const Cloud all = std::move(cloud_);
-    cloud_ = Cloud{};
+    positions_.clear();
+    records_.clear();
     keepFirsts(all);
   }
 }
 
-void VoxelThinner::keepFirsts(const Cloud& from) {
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index i = 0; i < from.positions.cols(); ++i) {
-    if (taken_.insert(voxelKey(from.positions.col(i), voxel_size_)).second) kept.push_back(i);
+Cloud VoxelThinner::cloud() const {
+  Cloud result;
+  result.fields = fields_;
+  result.positions.resize(3, static_cast<Eigen::Index>(positions_.size()));
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
+    result.positions.col(static_cast<Eigen::Index>(i)) = positions_[i];
   }
-  const Cloud added = selectPoints(from, kept);
-  const Eigen::Index before = cloud_.positions.cols();
-  cloud_.fields = from.fields;
-  cloud_.positions.conservativeResize(3, before + added.positions.cols());
-  cloud_.positions.rightCols(added.positions.cols()) = added.positions;
-  cloud_.records.insert(cloud_.records.end(), added.records.begin(), added.records.end());
+  result.records = records_;
+  return result;
+}
+
+void VoxelThinner::keepFirsts(const Cloud& from) {
+  fields_ = from.fields;
+  const auto record = static_cast<std::ptrdiff_t>(recordSize(fields_));
+  for (Eigen::Index i = 0; i < from.positions.cols(); ++i) {
+    if (!taken_.insert(voxelKey(from.positions.col(i), voxel_size_)).second) continue;
+    positions_.push_back(from.positions.col(i));
+    const auto first = from.records.begin() + i * record;
+    records_.insert(records_.end(), first, first + record);
+  }
 }
 
 }  // namespace cloud_colorizer

@@ -57,7 +57,7 @@ class VoxelThinner {
  public:
   VoxelThinner(double voxel_size, std::size_t max_points);
   void add(const Cloud& cloud);
-  const Cloud& cloud() const { return cloud_; }
+  Cloud cloud() const;
   double voxelSize() const { return voxel_size_; }
 
  private:
@@ -65,7 +65,9 @@ class VoxelThinner {
 
   double voxel_size_;
   std::size_t max_points_;
-  Cloud cloud_;
+  std::vector<Field> fields_;
+  std::vector<Eigen::Vector3d> positions_;
+  std::vector<std::uint8_t> records_;
   std::unordered_set<std::uint64_t> taken_;
 };
 
