@@ -105,6 +105,9 @@ class Collector {
   void addImage(std::size_t camera, const sensor_msgs::ImageConstPtr& message);
   void addImage(std::size_t camera, const sensor_msgs::CompressedImageConstPtr& message);
 
+  /// Goes on into another recording: transforms, camera_info and waiting messages stay, counters start again.
+  void useRecorder(Recorder& recorder);
+
   /// Records what can be recorded by now. Called by the owner after adding, as often as it likes.
   void process();
   /// Records what can be recorded, gives up on the rest, and waits for the encoders.
