@@ -151,7 +151,7 @@ bool Scene::isBlocked(const Eigen::Vector3d& from, const Eigen::Vector3d& to, do
   return false;
 }
 
-bool Scene::isBuried(const Eigen::Vector3d& point, int except) const {
+int Scene::buriedIn(const Eigen::Vector3d& point, int except) const {
   constexpr double kDepth = 1e-3;  // m; solids that only touch do not bury each other's faces
   std::array<int, kStackSize> stack;
   std::size_t size = 0;
@@ -162,13 +162,30 @@ bool Scene::isBuried(const Eigen::Vector3d& point, int except) const {
     if (!node.box.contains(point)) continue;
     for (int i = 0; i < node.count; ++i) {
       const int solid = order_[static_cast<std::size_t>(node.first + i)];
-      if (solid != except && solids_[static_cast<std::size_t>(solid)].closest(point, 0).distance < -kDepth) return true;
+      if (solid != except && solids_[static_cast<std::size_t>(solid)].closest(point, 0).distance < -kDepth)
+        return solid;
     }
     if (node.count > 0) continue;
     stack[size++] = node.first;
     stack[size++] = index + 1;
   }
-  return false;
+  return -1;
+}
+
+std::optional<Hit> Scene::surfaceNear(const Eigen::Vector3d& point, int solid, LocalHit local) const {
+  // From a buried place on to the nearest face of the solid around it, and so on: this ends in the crease of the two.
+  constexpr int kMaxSteps = 30;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    Hit hit = completeHit(solid, local, 0);
+    const int around = buriedIn(hit.point, solid);
+    if (around < 0) {
+      hit.distance = (hit.point - point).norm();
+      return hit;
+    }
+    solid = around;
+    local = solids_[static_cast<std::size_t>(solid)].closest(hit.point, 0);
+  }
+  return std::nullopt;
 }
 
 std::optional<Hit> Scene::closestPoint(const Eigen::Vector3d& point, double max_distance) const {
@@ -194,11 +211,16 @@ std::optional<Hit> Scene::closestPoint(const Eigen::Vector3d& point, double max_
     const double db = std::abs(b.second.distance);
     return da < db || (da == db && a.first < b.first);
   });
+  std::optional<Hit> best;
+  double limit = max_distance;
   for (const auto& [solid, local] : found) {
-    const Hit hit = completeHit(solid, local, 0);
-    if (!isBuried(hit.point, solid)) return hit;
+    if (std::abs(local.distance) > limit) break;
+    const auto hit = surfaceNear(point, solid, local);
+    if (!hit || hit->distance > limit) continue;
+    best = hit;
+    limit = std::nextafter(hit->distance, 0.0);
   }
-  return std::nullopt;
+  return best;
 }
 
 void Scene::buildShadows(int num_threads) {

@@ -268,6 +268,19 @@ TEST(Scene, BuriedFaceIsNotTheNearestSurface) {
   EXPECT_NEAR(hit->point.z(), 0, 1e-12);
 }
 
+TEST(Scene, PointInsideTwoSpheresFindsTheirOutside) {
+  Primitive left = sphere();
+  Primitive right = sphere();
+  left.map_from_local.translation().x() = -0.5;
+  right.map_from_local.translation().x() = 0.5;
+  const Scene scene({left, right}, noShadows());
+  const double crease = std::sqrt(0.8 * 0.8 - 0.5 * 0.5);
+  const auto hit = scene.closestPoint({0, 0, crease - 0.05}, 0.4);  // both nearest points lie in the other sphere
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->point.z(), crease, 0.01);
+  EXPECT_NEAR(hit->distance, 0.05, 0.01);
+}
+
 TEST(Scene, ShadowFallsAwayFromTheSun) {
   Lighting lighting;
   lighting.to_sun = Eigen::Vector3d(1, 0, 1).normalized();

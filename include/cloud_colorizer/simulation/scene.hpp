@@ -71,7 +71,8 @@ class Scene {
   };
 
   int build(int first, int count);
-  bool isBuried(const Eigen::Vector3d& point, int except) const;
+  int buriedIn(const Eigen::Vector3d& point, int except) const;  ///< index of a solid around it, or -1
+  std::optional<Hit> surfaceNear(const Eigen::Vector3d& point, int solid, LocalHit local) const;
   void buildShadows(int num_threads);
   float sunlit(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
 
