@@ -86,7 +86,8 @@ TEST(RunningPreview, OldestPointsGoWhenItIsFull) {
     preview.addCloud(cloud, Eigen::Isometry3d::Identity(), 0, 100);
   }
   const Cloud cloud = preview.cloud(Eigen::Vector3d::Zero());
-  std::multiset<double> xs(cloud.positions.row(0).begin(), cloud.positions.row(0).end());
+  std::multiset<double> xs;
+  for (Eigen::Index i = 0; i < cloud.positions.cols(); ++i) xs.insert(cloud.positions(0, i));
   EXPECT_EQ(xs, (std::multiset<double>{7.5, 8.5, 9.5, 10.5, 11.5}));
 }
 
