@@ -51,6 +51,24 @@ TEST(Graph, LinksAreTheNeighboursInTheSortedPasses) {
   }
 }
 
+TEST(Graph, EliminationOrderHasEveryPointOnceAndLittleFill) {
+  const int num_points = 3000;
+  const auto graph = orderedZorderGraph(sphere(num_points), {Eigen::Vector3f::Constant(-2), 0.001F}, {});
+  std::vector<int> rank(num_points, -1);
+  for (int i = 0; i < num_points; ++i) rank.at(graph.elimination_order.at(i)) = i;
+  EXPECT_EQ(std::count(rank.begin(), rank.end(), -1), 0);
+  std::vector<std::set<int>> later(num_points);  // elimination by the book
+  for (const Edge& edge : graph.edges)
+    later[std::min(rank[edge.p], rank[edge.q])].insert(std::max(rank[edge.p], rank[edge.q]));
+  std::size_t entries = 0;
+  for (int i = 0; i < num_points; ++i) {
+    entries += later[i].size();
+    if (!later[i].empty()) later[*later[i].begin()].insert(std::next(later[i].begin()), later[i].end());
+  }
+  EXPECT_LT(entries, 8U * num_points);
+  EXPECT_EQ(orderedZorderGraph(Points::Zero(3, 1), kGrid, {}).elimination_order, std::vector<int>{0});
+}
+
 TEST(Graph, SurfaceHasAboutFourNeighboursInFourPasses) {
   const auto edges = zorderGraph(sphere(20000), {Eigen::Vector3f::Constant(-2), 0.001F}, {});
   EXPECT_NEAR(2.0 * static_cast<double>(edges.size()) / 20000, 4.1, 0.2);

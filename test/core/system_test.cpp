@@ -145,6 +145,9 @@ TEST(Solve, CholmodEqualsSpqr) {
   const Eigen::MatrixXd a = Factorization(system.matrix, SolverKind::kCholmod).solve(system.rhs);
   const Eigen::MatrixXd b = Factorization(system.matrix, SolverKind::kSpqr).solve(system.rhs);
   EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 1e-8);
+  const auto order = orderedZorderGraph(scene.points, kGrid, {4, 3.0}).elimination_order;
+  const Eigen::MatrixXd c = Factorization(system.matrix, SolverKind::kCholmod, order).solve(system.rhs);
+  EXPECT_LT((a - c).cwiseAbs().maxCoeff(), 1e-8);
   const Eigen::MatrixXd residual = system.matrix.selfadjointView<Eigen::Lower>() * a - system.rhs;
   EXPECT_LT(residual.cwiseAbs().maxCoeff(), 1e-9);
 }
@@ -222,6 +225,11 @@ TEST(Factorization, IndefiniteOrMalformedMatrixIsAnError) {
   matrix.coeffRef(1, 1) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(Factorization(matrix, SolverKind::kSpqr), std::runtime_error);
   EXPECT_THROW(Factorization(Eigen::SparseMatrix<double>(2, 2), SolverKind::kSpqr), std::runtime_error);
+  matrix.coeffRef(1, 1) = 1;
+  EXPECT_NO_THROW(Factorization(matrix, SolverKind::kCholmod, {1, 0}));
+  EXPECT_THROW(Factorization(matrix, SolverKind::kCholmod, {1, 1}), std::invalid_argument);
+  EXPECT_THROW(Factorization(matrix, SolverKind::kCholmod, {1}), std::invalid_argument);
+  EXPECT_THROW(Factorization(matrix, SolverKind::kCholmod, {0, 2}), std::invalid_argument);
   EXPECT_THROW(Factorization(Eigen::SparseMatrix<double>(2, 3), SolverKind::kCholmod), std::invalid_argument);
 }
 
