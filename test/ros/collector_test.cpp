@@ -3,6 +3,7 @@
 
 #include "cloud_colorizer/ros/collector.hpp"
 
+#include <boost/make_shared.hpp>
 #include <gtest/gtest.h>
 #include <stdlib.h>
 

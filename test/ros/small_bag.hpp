@@ -6,6 +6,7 @@
 
 #include <rosbag/bag.h>
 
+#include <cmath>
 #include <cstring>
 #include <opencv2/imgproc.hpp>
 #include <string>
