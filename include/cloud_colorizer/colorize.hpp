@@ -4,6 +4,7 @@
 /// The runner: from a recording to a coloured map.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -18,10 +19,10 @@
 namespace cloud_colorizer {
 
 struct ColorizeSummary {
-  std::size_t num_points = 0, num_colored = 0, num_filled = 0;
-  ObserveStats observed;  ///< of core points: why (point, view) pairs did not count
+  std::size_t num_points = 0, num_colored = 0;
+  std::array<std::size_t, 5> by_reason{};  ///< number of points, by Unseen
   double seconds = 0;
-  std::string describe() const;  ///< one paragraph for the log
+  std::string describe() const;  ///< one line for the log
 };
 
 /// Colours every tile: surfels, depth images, (alignment,) chunks. Finished units of work are kept in the recording

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cloud_colorizer/cloud.hpp"
+#include "cloud_colorizer/file_io.hpp"
 #include "cloud_colorizer/types.hpp"
 
 namespace cloud_colorizer {
@@ -50,8 +51,5 @@ class CloudWriter {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// Writes `bytes` to `path` through a temporary name; throws std::runtime_error with the reason.
-void writeFileAtomically(const std::string& path, const void* bytes, std::size_t size);
 
 }  // namespace cloud_colorizer

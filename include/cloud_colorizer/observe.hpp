@@ -47,6 +47,9 @@ struct Observations {
   std::size_t numObservations() const { return views.size(); }
 };
 
+/// Why no view coloured a point: the farthest that it came with any of them.
+enum class Unseen : std::uint8_t { kSeen, kMasked, kHidden, kTooFar, kOutside };
+
 /// Why views did not see points: counts of (point, view) pairs.
 struct ObserveStats {
   std::uint64_t outside = 0, too_far = 0, hidden = 0, masked = 0, edge = 0, seen = 0;
@@ -55,6 +58,7 @@ struct ObserveStats {
 struct ObserveResult {
   Observations observations;
   ObserveStats stats;
+  std::vector<Unseen> unseen;  ///< one a point; kOutside when there is no view at all
 };
 
 /// Looks at every point from every view. `view(k)`, k in [0, num_views), is called once for each, in order.

@@ -32,7 +32,7 @@ struct RecordParams {
   double tile_size = 0;            ///< m, side of a tile; 0: 200 voxels, or 10 m where voxel_size is 0
   double keyframe_distance = 0.5;  ///< m; a view is kept when its camera moved this far since its last view,
   double keyframe_angle = 10;      ///< deg; or turned by this angle
-  int max_open_tiles = 256;        ///< tiles whose voxels are held in memory
+  int max_open_tiles = 1024;       ///< tiles whose voxels are held in memory; a 60 m scan touches about 400
 
   void check() const;
 };
@@ -94,6 +94,8 @@ class Recorder {
 
   struct InsertCounts {
     std::size_t added = 0, not_finite = 0, too_near = 0, too_far = 0, voxel_taken = 0;
+    std::vector<std::string> fields_dropped;  ///< of this cloud, since the recording does not have them
+    std::vector<std::string> fields_missing;  ///< of the recording, zero for this cloud's points
   };
   /// Positions in the sensor's frame; fields that the recording does not know are dropped (the first cloud defines
   /// them), missing ones are zero.

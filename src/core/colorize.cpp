@@ -1,3 +1,38 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_colorizer/colorize.hpp"
+
+#include <chrono>
+
+#include "cloud_colorizer/check.hpp"
+#include "stages.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+void requireColorable(const Recording& recording) {
+  require(recording.numPoints() > 0, "recording ", recording.directory(),
+          " has no points; was the cloud topic published, and is there tf from its frame to the map?");
+  require(!recording.views().empty(), "recording ", recording.directory(),
+          " has no views; were images and camera_info published, and is there tf from the camera to the map?");
+}
+
+}  // namespace
+
+ColorizeSummary colorize(const Recording& recording, const Params& params, const Callbacks& callbacks) {
+  const auto start = std::chrono::steady_clock::now();
+  params.check();
+  requireColorable(recording);
+
+  Workspace work(recording, params);
+  work.prepare();
+  makeSurfels(work, callbacks);      // per tile: what closes the surface between the points
+  makeDepthImages(work, callbacks);  // per view: what it can see of the whole map
+  colorChunks(work, callbacks);      // per chunk: observe, graph, system, solve; eq. (1)-(5)
+
+  ColorizeSummary summary = summarize(work);
+  summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return summary;
+}
+
+}  // namespace cloud_colorizer

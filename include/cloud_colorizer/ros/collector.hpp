@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// From messages to a recording: what the node and colorize_bag share.
+///
+/// Messages wait in one queue a topic until tf knows their exact stamp; nothing is extrapolated. Every queue is worked
+/// off in its order of arrival, so the recording depends on the messages and not on threads or on when tf came.
+#pragma once
+
+#include <ros/time.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/CompressedImage.h>
+#include <sensor_msgs/Image.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cloud_colorizer/recording.hpp"
+#include "cloud_colorizer/types.hpp"
+
+namespace cloud_colorizer {
+
+struct CameraParams {
+  double time_offset = 0;  ///< s, added to the stamps of the images
+  std::string mask;        ///< image file, black where the camera must not colour; empty: none
+  bool rectified = false;  ///< the images are rectified: P counts, without distortion
+};
+
+struct CollectorParams {
+  std::string map_frame = "map";
+  std::string sensor_frame;              ///< frame from which ranges are measured; empty: the cloud's own
+  double tf_wait = 2;                    ///< s of message time that a message waits for its transform
+  double tf_cache = 30;                  ///< s of transforms that are kept
+  std::string raw_image_format = "png";  ///< png or ppm
+  int encode_threads = 1;                ///< threads that encode raw images
+  std::vector<CameraParams> cameras = std::vector<CameraParams>(1);
+  RecordParams record;  ///< keyframe distance and angle
+
+  void check() const;
+};
+
+/// What became of a message.
+enum class Outcome {
+  kKept,
+  kNotKeyframe,
+  kNoTransform,
+  kNoCameraInfo,
+  kBadCameraInfo,
+  kSizeMismatch,
+  kUndecodable,
+  kMalformed,
+  kNoStamp,
+  kTimeJump,
+  kOverflow,
+  kNumOutcomes
+};
+const char* toString(Outcome outcome);
+
+struct StreamStats {
+  std::size_t received = 0;
+  std::array<std::size_t, static_cast<std::size_t>(Outcome::kNumOutcomes)> outcomes{};
+  std::string last_error;
+
+  std::size_t count(Outcome outcome) const { return outcomes[static_cast<std::size_t>(outcome)]; }
+};
+
+struct CollectorStats {
+  StreamStats cloud;
+  std::vector<StreamStats> cameras;
+  Recorder::InsertCounts points;
+  std::size_t time_jumps = 0;
+  std::string last_tf_error;
+
+  std::string describe() const;  ///< one line a topic: "camera_0: 154 received, 120 kept, 34 not a keyframe"
+};
+
+/// Bytes of an image file that are shared with whoever needs them.
+using SharedBytes = std::shared_ptr<const std::vector<std::uint8_t>>;
+
+/// What the collector tells the outside; every member may be empty. Called from the thread that calls the collector.
+struct CollectorEvents {
+  /// Throttled: a kind of warning about a topic comes at most every ten seconds, with the number left out.
+  std::function<void(LogLevel, const std::string&)> log;
+  std::function<void(const Cloud&, const Eigen::Isometry3d& map_from_sensor)> cloud_kept;
+  std::function<void(const View&, const Intrinsics&, const SharedBytes&)> view_kept;  ///< pose in the map frame
+};
+
+/// Used from one thread at a time. What Recorder throws (a full disk) passes through; the message is then lost.
+class Collector {
+ public:
+  /// Reads the masks; throws std::runtime_error when one cannot be read.
+  Collector(Recorder& recorder, const CollectorParams& params, CollectorEvents events);
+  ~Collector();
+
+  void addTransforms(const tf2_msgs::TFMessage& message, bool is_static);
+  void addCloud(const sensor_msgs::PointCloud2ConstPtr& message);
+  void addCameraInfo(std::size_t camera, const sensor_msgs::CameraInfoConstPtr& message);
+  void addImage(std::size_t camera, const sensor_msgs::ImageConstPtr& message);
+  void addImage(std::size_t camera, const sensor_msgs::CompressedImageConstPtr& message);
+
+  /// Records what can be recorded by now. Called by the owner after adding, as often as it likes.
+  void process();
+  /// Records what can be recorded, gives up on the rest, and waits for the encoders.
+  void finish();
+  std::size_t numPending() const;  ///< messages that wait for tf, camera_info or an encoder
+
+  const CollectorStats& stats() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cloud_colorizer

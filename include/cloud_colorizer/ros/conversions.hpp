@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Messages to the core's types and back. Everything that cannot be converted throws std::invalid_argument with the
+/// reason; nothing is guessed.
+#pragma once
+
+#include <geometry_msgs/Pose.h>
+#include <geometry_msgs/Transform.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/CompressedImage.h>
+#include <sensor_msgs/Image.h>
+#include <sensor_msgs/PointCloud2.h>
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "cloud_colorizer/camera.hpp"
+#include "cloud_colorizer/cloud.hpp"
+
+namespace cloud_colorizer {
+
+/// Any field order, padding between fields and rows, byte order and number types. NaN passes through. One pass.
+/// Throws for a missing x, y or z, a field twice, or sizes that contradict each other.
+Cloud cloudFromMessage(const sensor_msgs::PointCloud2& message);
+
+/// Appends to a message that is empty or was made by this function from the same fields: packed, x y z as FLOAT32,
+/// height 1, native byte order. Throws where the fields differ or the data would not fit into 4 GB.
+void appendToMessage(const Cloud& cloud, sensor_msgs::PointCloud2& message);
+
+/// The intrinsics of the images that belong to a camera_info, with region of interest and binning applied.
+struct CameraFromInfo {
+  Intrinsics intrinsics;
+  std::string warning;  ///< what had to be assumed; empty when nothing
+};
+/// `rectified`: the images are rectified, so P counts and there is no distortion. Throws: K[0] = 0 (uncalibrated), no
+/// size, unknown model, coefficients that the model does not have.
+CameraFromInfo cameraFromMessage(const sensor_msgs::CameraInfo& message, bool rectified);
+
+struct EncodedInfo {
+  cv::Size size;          ///< px
+  std::string extension;  ///< "jpg" or "png"
+};
+/// Looks at the headers and at the end of a JPEG or PNG (not at the pixels). Throws: another format, truncated.
+EncodedInfo inspectCompressed(const sensor_msgs::CompressedImage& message);
+
+/// Throws when the encoding is unknown or the data is shorter than height * step. Costs nothing.
+void checkImage(const sensor_msgs::Image& message);
+
+/// CV_8UC1, CV_16UC1 or CV_8UC3 (BGR). May share the message's data. mono8, mono16, rgb8, bgr8, rgba8, bgra8, rgb16,
+/// bgr16, yuv422, yuv422_yuy2, bayer_*8, bayer_*16, 8UC1, 8UC3, 16UC1.
+cv::Mat imageFromMessage(const sensor_msgs::Image& message);
+
+/// Encodes without loss: `format` png (compressed as fast as possible) or ppm (stored; grey becomes pgm).
+struct EncodedImage {
+  std::vector<std::uint8_t> bytes;
+  std::string extension;
+};
+EncodedImage encodeImage(const cv::Mat& image, const std::string& format);
+
+Eigen::Isometry3d isometryFromMessage(const geometry_msgs::Transform& message);
+geometry_msgs::Pose poseToMessage(const Eigen::Isometry3d& pose);
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Parameters from the parameter server: the method's (Params) and those that only a ROS program has (NodeParams).
+#pragma once
+
+#include <xmlrpcpp/XmlRpcValue.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "cloud_colorizer/params.hpp"
+#include "cloud_colorizer/ros/collector.hpp"
+
+namespace cloud_colorizer {
+
+/// What the node has beside the collector and the method.
+struct NodeParams {
+  CollectorParams collector;
+  std::string recording_dir;            ///< empty: a new one below $ROS_HOME/cloud_colorizer
+  std::string save_path;                ///< empty: nothing is saved on shutdown
+  std::string image_transport = "raw";  ///< raw or compressed
+  double colorize_after = 0;            ///< s without any message after which the map is coloured; 0: never
+  int queue_size = 40;                  ///< messages of a topic that wait to be recorded
+  double preview_voxel_size = 0.25;     ///< m
+  double preview_period = 1;            ///< s between two previews while recording; 0: no preview
+  int max_preview_points = 500000;
+  int max_published_points = 5000000;  ///< of colored_map; beyond it every k-th point is published
+
+  void check() const;  ///< throws std::invalid_argument with name, value and what is allowed
+};
+
+/// Calls f(name, field, help) for every parameter. `camera_<i>/...` exist for each of collector.cameras.
+template <class NodeParamsT, class F>
+void visitNodeParams(NodeParamsT& p, F&& f) {
+  f("map_frame", p.collector.map_frame, "frame in which the map is built");
+  f("recording_dir", p.recording_dir, "directory of the recording; empty: a new one below ~/.ros/cloud_colorizer");
+  f("save_path", p.save_path, ".ply or .pcd; the map is coloured and saved there on shutdown");
+  f("image_transport", p.image_transport, "raw, or compressed for the topics camera_<i>/image/compressed");
+  f("raw_image_format", p.collector.raw_image_format, "png (smaller) or ppm (faster): how raw images are stored");
+  f("encode_threads", p.collector.encode_threads, "threads that encode raw images");
+  f("sensor_frame", p.collector.sensor_frame, "frame from which ranges are measured; empty: that of the cloud");
+  f("tf_wait", p.collector.tf_wait, "s of message time that a cloud or an image waits for its transform");
+  f("tf_cache", p.collector.tf_cache, "s of transforms that are kept");
+  f("colorize_after", p.colorize_after, "s without a message after which the map is coloured; 0: never");
+  f("queue_size", p.queue_size, "messages of a topic that may wait to be recorded");
+  f("preview_voxel_size", p.preview_voxel_size, "m; one point a voxel in colored_map_preview");
+  f("preview_period", p.preview_period, "s between previews while recording; 0: none");
+  f("max_preview_points", p.max_preview_points, "points of colored_map_preview; the newest stay");
+  f("max_published_points", p.max_published_points, "points of colored_map; of a larger map every k-th is published");
+  for (std::size_t i = 0; i < p.collector.cameras.size(); ++i) {
+    const std::string prefix = "camera_" + std::to_string(i) + "/";
+    auto& camera = p.collector.cameras[i];
+    f((prefix + "time_offset").c_str(), camera.time_offset, "s added to the image stamps");
+    f((prefix + "mask").c_str(), camera.mask, "image file, black where the camera must not colour");
+    f((prefix + "rectified").c_str(), camera.rectified, "true for rectified images: P is used, without distortion");
+  }
+}
+
+/// All that the node is told by parameters.
+struct AllParams {
+  Params core;
+  NodeParams node;
+};
+
+/// From name -> text. `num_cameras` gives the number of cameras (default 1). Throws std::invalid_argument: an unknown
+/// name (with the nearest known ones), no value of the type, a value out of range.
+AllParams paramsFromText(const std::map<std::string, std::string>& texts);
+
+/// (name, value, help) of every parameter: num_cameras, the node's, the method's.
+std::vector<ParamText> describeAllParams(const AllParams& params);
+
+/// A value of the parameter server as name -> text, names of nested structures joined by '/'.
+/// Throws std::invalid_argument for lists and binary values.
+std::map<std::string, std::string> flattenParams(const XmlRpc::XmlRpcValue& value);
+
+/// Reads the private parameters of this node and logs each at start.
+AllParams loadParams();
+
+}  // namespace cloud_colorizer

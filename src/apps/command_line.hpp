@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What all command line programs share: arguments, --help, progress on the terminal, Ctrl-C, exit codes. No ROS.
+///
+///   int main(int argc, char** argv) {
+///     CommandSpec spec{"colorize", "Colours a recording.", "RECORDING", 1, 1, {{"output", "FILE", "the map", true}}};
+///     return runMain(argc, argv, spec, [](const CommandLine& line, const Callbacks& callbacks) {
+///       colorize(Recording::open(line.positionals[0]), line.params, callbacks);
+///     });
+///   }
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "cloud_colorizer/params.hpp"
+#include "cloud_colorizer/types.hpp"
+
+namespace cloud_colorizer {
+
+/// `--name VALUE` or `--name=VALUE`; a flag without a value where `value` is empty.
+struct OptionSpec {
+  std::string name;   ///< without the dashes
+  std::string value;  ///< placeholder in the help, e.g. "FILE"; empty: a flag
+  std::string help;
+  bool required = false;
+};
+
+struct CommandSpec {
+  std::string program;
+  std::string summary;      ///< one sentence
+  std::string positionals;  ///< as the usage line shows them, e.g. "DRIVE.bag [DRIVE2.bag ...]"
+  std::size_t min_positionals = 0, max_positionals = 0;
+  std::vector<OptionSpec> options;
+  Params defaults;           ///< what a program starts from, where it is not Params{}
+  bool takes_params = true;  ///< `name=value` sets a parameter; the help lists them all
+};
+
+struct CommandLine {
+  std::vector<std::string> positionals;
+  std::map<std::string, std::string> options;  ///< by name; a given flag is "true"
+  Params params;
+  bool help = false;
+
+  bool has(const std::string& name) const { return options.count(name) != 0; }
+  std::string option(const std::string& name, const std::string& otherwise = "") const;
+};
+
+/// A command line that is not understood; the message says what and how to get help.
+struct UsageError : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
+
+/// Throws UsageError: unknown option, missing value or required option, wrong number of positionals, or a parameter
+/// that Params refuses. An argument is a parameter where it reads `name=`, so a file like that is given as `./a=b`.
+CommandLine parseCommandLine(int argc, const char* const* argv, const CommandSpec& spec);
+
+/// Usage, options, parameters with defaults, exit codes.
+std::string helpText(const CommandSpec& spec);
+
+/// One line: "colour  45 % (9 of 20 chunks), 210000 points/s, 12 s left".
+std::string describeProgress(const Progress& progress);
+
+/// Progress and log on stderr (one line that is rewritten on a terminal; a line every few seconds elsewhere);
+/// cancelled() after the first SIGINT or SIGTERM. The second signal ends the process at once.
+Callbacks terminalCallbacks();
+
+/// Parses, runs `body`, prints what it throws. Returns 0, 1 (failed), 2 (bad command line) or 130 (cancelled).
+int runMain(int argc, const char* const* argv, const CommandSpec& spec,
+            const std::function<void(const CommandLine&, const Callbacks&)>& body);
+
+}  // namespace cloud_colorizer

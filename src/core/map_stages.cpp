@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_colorizer/parallel.hpp"
+#include "progress.hpp"
+#include "stages.hpp"
+
+namespace cloud_colorizer {
+
+void makeSurfels(Workspace& work, const Callbacks& callbacks) {
+  const Recording& recording = work.recording();
+  ProgressMeter progress(callbacks, "surfels", recording.numPoints());
+  parallelFor(work.params().colorize.num_threads, recording.tiles().size(), [&](std::size_t tile) {
+    const bool todo = !work.hasSurfels(tile);
+    if (todo) work.writeSurfels(tile, estimateSurfels(recording.readPoints(tile), work.params().surfels));
+    progress.add(recording.tiles()[tile].num_points, todo);
+  });
+}
+
+DepthImage renderDepth(Workspace& work, std::size_t view, const Eigen::Isometry3d& map_from_camera) {
+  const Recording& recording = work.recording();
+  DepthSplatter splatter(work.cameraOf(view), map_from_camera.inverse().cast<float>(), work.params().depth);
+  for (std::size_t tile = 0; tile < recording.tiles().size(); ++tile) {
+    if (!work.mayObserve(view, tileBox(recording, tile))) continue;
+    const auto surface = work.surface(tile);
+    splatter.add(surface->points, surface->surfels);
+  }
+  return splatter.finish();
+}
+
+void makeDepthImages(Workspace& work, const Callbacks& callbacks) {
+  const std::size_t num_views = work.recording().views().size();
+  ProgressMeter progress(callbacks, "depth images", num_views);
+  parallelFor(work.params().colorize.num_threads, num_views, [&](std::size_t view) {
+    const bool todo = !work.hasDepth(view);
+    if (todo) work.writeDepth(view, renderDepth(work, view, work.corrected(view).map_from_camera));
+    progress.add(1, todo);
+  });
+}
+
+}  // namespace cloud_colorizer

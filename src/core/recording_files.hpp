@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The small files of a recording: recording.yaml, cameras.yaml and views.csv.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cloud_colorizer/recording.hpp"
+
+namespace cloud_colorizer {
+
+constexpr int kRecordingVersion = 1;
+
+/// recording.yaml. The origin and the fields are known from the first cloud or view on.
+struct RecordingInfo {
+  std::string map_frame;
+  double voxel_size = 0, tile_size = 0;
+  std::optional<Eigen::Vector3d> origin;
+  std::optional<std::vector<Field>> fields;
+};
+
+struct Recording::State {
+  std::string directory;
+  RecordingInfo info;
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  std::vector<Field> fields;
+  std::vector<RecordedCamera> cameras;
+  std::vector<View> views;
+  std::vector<Tile> tiles;
+  std::size_t num_points = 0;
+};
+
+bool hasRecording(const std::string& directory);
+RecordingInfo readInfo(const std::string& directory);
+void writeInfo(const std::string& directory, const RecordingInfo& info);
+
+std::vector<RecordedCamera> readCameras(const std::string& directory);
+void writeCameras(const std::string& directory, const std::vector<RecordedCamera>& cameras);
+
+/// The lines of views.csv. A last line without its end is what a crash left and is not counted.
+struct ViewLines {
+  std::vector<View> views;
+  std::uint64_t num_bytes = 0;  ///< of whole lines
+};
+std::string viewsPath(const std::string& directory);
+std::string viewsHeader();
+std::string viewLine(const View& view);
+ViewLines readViews(const std::string& directory);
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Numbers and words as text, whatever the locale of the process.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace cloud_colorizer {
+
+/// The shortest text that reads back as the same double.
+std::string formatDouble(double value);
+std::string formatFixed(double value, int decimals);
+
+/// Reads one number at `text` and moves `text` behind it; false, without moving, when there is none.
+bool parseDouble(const char*& text, double& value);
+/// The whole word as a number; false when it is none.
+bool parseDouble(const std::string& word, double& value);
+bool parseInteger(const std::string& word, long long& value);
+
+std::vector<std::string> splitWords(const std::string& line);  ///< at white space
+std::vector<std::string> splitAt(const std::string& line, char separator);
+
+}  // namespace cloud_colorizer

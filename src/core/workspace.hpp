@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The derived files of a recording, and what is read again and again while colouring, in bounded memory.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cloud_colorizer/camera.hpp"
+#include "cloud_colorizer/depth.hpp"
+#include "cloud_colorizer/observe.hpp"
+#include "cloud_colorizer/params.hpp"
+#include "cloud_colorizer/recording.hpp"
+#include "cloud_colorizer/surfels.hpp"
+#include "fingerprint.hpp"
+#include "lru_cache.hpp"
+
+namespace cloud_colorizer {
+
+/// Points and surfels of one tile.
+struct TileSurface {
+  Points points;
+  Surfels surfels;
+};
+
+/// Colours of one tile, one column a point.
+struct TileColors {
+  Values values;                     ///< 3 x n, 0 to 255; zero where count is 0
+  std::vector<std::uint16_t> count;  ///< views that coloured the point
+  std::vector<float> stddev;         ///< over the views
+  std::vector<Unseen> unseen;        ///< why no view coloured the point
+};
+
+/// The cube of a tile, in metres relative to the origin.
+Eigen::AlignedBox3f tileBox(const Recording& recording, std::size_t tile);
+
+/// Paths, files and caches of one colouring. A unit of work (a tile's surfels, a view's depth image, a tile's colours)
+/// is one file, written under a temporary name and renamed: it is complete or absent. Each folder holds key.txt, which
+/// tells what its files were made from; a folder with another key is emptied first.
+class Workspace {
+ public:
+  Workspace(const Recording& recording, const Params& params);
+
+  const Recording& recording() const { return recording_; }
+  const Params& params() const { return params_; }
+  const Camera& cameraOf(std::size_t view) const { return cameras_[recording_.views()[view].camera]; }
+
+  bool hasSurfels(std::size_t tile) const;
+  void writeSurfels(std::size_t tile, const Surfels& surfels) const;
+  bool hasDepth(std::size_t view) const;
+  void writeDepth(std::size_t view, const DepthImage& image) const;
+  bool hasColors(std::size_t tile) const;
+  void writeColors(std::size_t tile, const TileColors& colors) const;
+  TileColors readColors(std::size_t tile) const;
+
+  std::shared_ptr<const TileSurface> surface(std::size_t tile) { return surfaces_.get(tile); }
+  /// Everything that observe() needs of a view.
+  ObservedView observedView(std::size_t view);
+
+  /// Whether any point of a box can lie in the view: nearer than max_view_distance and inside a cone around its image.
+  bool mayObserve(std::size_t view, const Eigen::AlignedBox3f& box) const;
+
+  /// Poses and exposures to use instead of the recording's, one a view.
+  void correctViews(std::vector<CorrectedView> corrections);
+  const CorrectedView& corrected(std::size_t view) const { return corrections_[view]; }
+
+  /// Empties folders whose files were made from something else. Call once before writing.
+  void prepare() const;
+
+ private:
+  std::string tilePath(const char* folder, std::size_t tile) const;
+  std::string depthPath(std::size_t view) const;
+  TileSurface readSurface(std::size_t tile) const;
+  DepthImage readDepth(std::size_t view) const;
+
+  Recording recording_;
+  Params params_;
+  std::vector<Camera> cameras_;
+  std::vector<double> cone_angles_;         ///< rad, one a camera: between its axis and the farthest image corner
+  std::vector<CorrectedView> corrections_;  ///< one a view
+  std::vector<std::shared_ptr<const cv::Mat>> masks_;
+  LruCache<TileSurface> surfaces_;
+  LruCache<cv::Mat> images_;
+  LruCache<DepthImage> depths_;
+};
+
+}  // namespace cloud_colorizer

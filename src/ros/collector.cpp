@@ -1,0 +1,520 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "cloud_colorizer/ros/collector.hpp"
+
+#include <tf2/buffer_core.h>
+#include <tf2/exceptions.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <deque>
+#include <map>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <sstream>
+
+#include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/ros/conversions.hpp"
+#include "encoder_pool.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+constexpr double kJumpBack = 1;            // s; a stream whose stamps step back by more was restarted
+constexpr std::size_t kMaxPending = 2000;  // messages of a topic; a guard for stamps that stand still
+constexpr std::size_t kMaxEncoding = 8;    // images in work; then the collector waits for the first of them
+constexpr std::chrono::seconds kWarnPeriod(10);
+
+using Invalid = std::invalid_argument;
+using Isometry = Eigen::Isometry3d;
+
+std::string withoutSlash(const std::string& frame) {
+  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
+}
+
+/// A message that cannot be recorded, and why.
+struct Refused {
+  Outcome outcome;
+  std::string reason;
+};
+
+/// The transform may still come: the message has to wait.
+struct NotYet : Refused {};
+
+/// An image of either kind.
+struct ImageMessage {
+  std_msgs::Header header;
+  sensor_msgs::ImageConstPtr raw;
+  sensor_msgs::CompressedImageConstPtr compressed;
+};
+
+/// A view whose image may still be with an encoder.
+struct PendingView {
+  std::uint32_t camera = 0;
+  double stamp = 0;
+  Isometry map_from_camera;
+  Intrinsics intrinsics;
+  SharedBytes bytes;  ///< of a compressed image, as received
+  std::string extension;
+  std::future<EncodedImage> encoded;  ///< of a raw image
+};
+
+struct CameraState {
+  CameraParams params;
+  std::string name;
+  cv::Mat1b mask;
+  sensor_msgs::CameraInfoConstPtr info;  ///< the newest
+  std::optional<std::uint32_t> id;       ///< in the recording; set when the camera_info is good
+  Intrinsics intrinsics;
+  std::string info_error;
+  std::optional<Isometry> last_kept;
+  std::deque<ImageMessage> queue;
+};
+
+bool sameCamera(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo& b) {
+  return a.width == b.width && a.height == b.height && a.distortion_model == b.distortion_model && a.D == b.D &&
+         a.K == b.K && a.P == b.P && a.binning_x == b.binning_x && a.binning_y == b.binning_y && a.roi == b.roi;
+}
+
+cv::Mat1b readMask(const std::string& file) {
+  if (file.empty()) return {};
+  const cv::Mat mask = cv::imread(file, cv::IMREAD_GRAYSCALE);
+  require(!mask.empty(), "the mask ", file, " cannot be read as an image");
+  return mask;
+}
+
+}  // namespace
+
+const char* toString(Outcome outcome) {
+  static const char* const kNames[] = {"kept",
+                                       "not a keyframe",
+                                       "no transform",
+                                       "no camera_info",
+                                       "bad camera_info",
+                                       "size differs from camera_info",
+                                       "undecodable",
+                                       "malformed",
+                                       "no stamp",
+                                       "dropped when time jumped back",
+                                       "dropped from a full queue"};
+  return kNames[static_cast<std::size_t>(outcome)];
+}
+
+void CollectorParams::check() const {
+  require<Invalid>(!withoutSlash(map_frame).empty(), "parameter map_frame must not be empty");
+  requireInRange("tf_wait", tf_wait, 0.0, 3600.0);
+  requireInRange("tf_cache", tf_cache, 1.0, 86400.0);
+  require<Invalid>(tf_cache > tf_wait, "parameter tf_cache = ", tf_cache, " must exceed tf_wait = ", tf_wait);
+  require<Invalid>(raw_image_format == "png" || raw_image_format == "ppm", "parameter raw_image_format = \"",
+                   raw_image_format, "\" must be one of: png, ppm");
+  requireInRange("encode_threads", encode_threads, 1, 64);
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const std::string name = "camera_" + std::to_string(i) + "/time_offset";
+    requireInRange(name.c_str(), cameras[i].time_offset, -60.0, 60.0);
+  }
+  record.check();
+}
+
+std::string CollectorStats::describe() const {
+  std::ostringstream out;
+  const auto line = [&out](const std::string& name, const StreamStats& stats) {
+    out << name << ": " << stats.received << " received";
+    for (std::size_t i = 0; i < stats.outcomes.size(); ++i) {
+      if (stats.outcomes[i] > 0) out << ", " << stats.outcomes[i] << ' ' << toString(static_cast<Outcome>(i));
+    }
+    out << '\n';
+  };
+  line("clouds", cloud);
+  for (std::size_t i = 0; i < cameras.size(); ++i) line("camera_" + std::to_string(i), cameras[i]);
+  out << "points: " << points.added << " recorded, " << points.voxel_taken << " in a voxel that is taken, "
+      << points.too_near << " too near, " << points.too_far << " too far, " << points.not_finite << " not finite";
+  return out.str();
+}
+
+struct Collector::Impl {
+  Impl(Recorder& recorder_in, const CollectorParams& params_in, CollectorEvents events_in)
+      : recorder(recorder_in),
+        params(params_in),
+        events(std::move(events_in)),
+        map_frame(withoutSlash(params_in.map_frame)),
+        sensor_frame(withoutSlash(params_in.sensor_frame)),
+        buffer(ros::Duration(params_in.tf_cache)),
+        pool(params_in.encode_threads) {
+    params.check();
+    stats.cameras.resize(params.cameras.size());
+    cameras.resize(params.cameras.size());
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+      cameras[i].params = params.cameras[i];
+      cameras[i].name = "camera_" + std::to_string(i);
+      cameras[i].mask = readMask(params.cameras[i].mask);
+    }
+    restoreKeyframes();
+  }
+
+  /// So that a continued recording does not keep the same view again.
+  void restoreKeyframes() {
+    if (recorder.numViews() == 0) return;
+    const Recording recording = recorder.snapshot();
+    for (const View& view : recording.views()) {
+      for (CameraState& camera : cameras) {
+        if (camera.name != recording.cameras()[view.camera].name) continue;
+        Isometry pose = view.map_from_camera;
+        pose.translation() += recording.origin();
+        camera.last_kept = pose;
+      }
+    }
+  }
+
+  // ---- warnings and counters ----
+
+  void warn(const std::string& stream, const char* kind, const std::string& text) {
+    if (!events.log) return;
+    Throttle& throttle = throttles[stream + kind];
+    const auto now = std::chrono::steady_clock::now();
+    if (throttle.used && now - throttle.last < kWarnPeriod) {
+      ++throttle.left_out;
+      return;
+    }
+    std::string suffix;
+    if (throttle.left_out > 0) suffix = " (and " + std::to_string(throttle.left_out) + " more like this)";
+    throttle = {true, 0, now};
+    events.log(LogLevel::kWarning, stream + ": " + text + suffix);
+  }
+
+  void count(const std::string& stream, StreamStats& of, const Refused& refused) {
+    ++of.outcomes[static_cast<std::size_t>(refused.outcome)];
+    if (refused.outcome == Outcome::kKept || refused.outcome == Outcome::kNotKeyframe) return;
+    of.last_error = refused.reason;
+    if (refused.outcome == Outcome::kNoTransform) stats.last_tf_error = refused.reason;
+    warn(stream, toString(refused.outcome), refused.reason);
+  }
+
+  // ---- time ----
+
+  /// Keeps track of a stream's stamps. A step back means that a bag was looped or a simulation restarted.
+  void noticeStamp(const std::string& stream, double stamp) {
+    const auto last = last_stamps.find(stream);
+    if (last != last_stamps.end() && stamp < last->second - kJumpBack) {
+      std::ostringstream text;
+      text.precision(3);
+      text << std::fixed << "time jumped back by " << last->second - stamp
+           << " s (a looped bag, a restarted simulation, or two publishers of one topic); transforms and waiting "
+           << "messages are cleared, the recording goes on";
+      warn(stream, "jump", text.str());
+      startAnew();
+    }
+    last_stamps[stream] = stamp;
+  }
+
+  void startAnew() {
+    ++stats.time_jumps;
+    process();  // what can still be used
+    clearQueues();
+    buffer.clear();
+    last_stamps.clear();
+    newest = 0;
+  }
+
+  void clearQueues() {
+    const auto drop = [](StreamStats& of, auto& queue) {
+      of.outcomes[static_cast<std::size_t>(Outcome::kTimeJump)] += queue.size();
+      queue.clear();
+    };
+    drop(stats.cloud, clouds);
+    for (std::size_t i = 0; i < cameras.size(); ++i) drop(stats.cameras[i], cameras[i].queue);
+  }
+
+  bool waitedEnough(double stamp) const { return giving_up || newest - stamp > params.tf_wait; }
+
+  // ---- transforms ----
+
+  /// At exactly `stamp`. Throws NotYet with tf's reason.
+  Isometry lookUp(const std::string& target, const std::string& source, double stamp) const {
+    if (target == source) return Isometry::Identity();
+    try {
+      return isometryFromMessage(buffer.lookupTransform(target, source, ros::Time(stamp)).transform);
+    } catch (const tf2::ConnectivityException& error) {
+      throw NotYet{{Outcome::kNoTransform, std::string(error.what()) + " Is ~map_frame (" + map_frame + ") right?"}};
+    } catch (const tf2::TransformException& error) {
+      throw NotYet{{Outcome::kNoTransform, error.what()}};
+    }
+  }
+
+  static void checkHeader(const std_msgs::Header& header) {
+    if (header.stamp.isZero()) throw Refused{Outcome::kNoStamp, "the header's stamp is zero"};
+    if (withoutSlash(header.frame_id).empty()) throw Refused{Outcome::kMalformed, "the header's frame_id is empty"};
+  }
+
+  // ---- clouds ----
+
+  void recordCloud(const sensor_msgs::PointCloud2& message) {
+    checkHeader(message.header);
+    const double stamp = message.header.stamp.toSec();
+    const std::string frame = withoutSlash(message.header.frame_id);
+    const std::string sensor = sensor_frame.empty() ? frame : sensor_frame;
+    const Isometry map_from_sensor = lookUp(map_frame, sensor, stamp);
+    const Isometry sensor_from_cloud = lookUp(sensor, frame, stamp);
+    Cloud cloud;
+    try {
+      cloud = cloudFromMessage(message);
+    } catch (const Invalid& error) {
+      throw Refused{Outcome::kMalformed, error.what()};
+    }
+    if (sensor != frame) cloud.positions = sensor_from_cloud * cloud.positions;
+    if (sensor == map_frame) {
+      warn("clouds", "range",
+           "the clouds are in the map frame already, so ranges are measured from its origin; set "
+           "~sensor_frame to the scanner's frame");
+    }
+    const Recorder::InsertCounts counts = recorder.addCloud(cloud, map_from_sensor);
+    stats.points.added += counts.added;
+    stats.points.not_finite += counts.not_finite;
+    stats.points.too_near += counts.too_near;
+    stats.points.too_far += counts.too_far;
+    stats.points.voxel_taken += counts.voxel_taken;
+    if (events.cloud_kept) events.cloud_kept(cloud, map_from_sensor);
+  }
+
+  // ---- images ----
+
+  void takeCameraInfo(CameraState& camera, const sensor_msgs::CameraInfoConstPtr& message) {
+    if (camera.info && sameCamera(*camera.info, *message)) return;
+    camera.info = message;
+    camera.id.reset();
+    camera.info_error.clear();
+    try {
+      const CameraFromInfo result = cameraFromMessage(*message, camera.params.rectified);
+      if (!result.warning.empty()) warn(camera.name, "info", result.warning);
+      camera.intrinsics = result.intrinsics;
+      require<Invalid>(
+          camera.mask.empty() || camera.mask.size() == cv::Size(camera.intrinsics.width, camera.intrinsics.height),
+          "the mask ", camera.params.mask, " is ", camera.mask.cols, " x ", camera.mask.rows, ", but the images are ",
+          camera.intrinsics.width, " x ", camera.intrinsics.height);
+    } catch (const Invalid& error) {
+      camera.info_error = error.what();
+      return;
+    }
+    camera.id = recorder.setCamera(camera.name, camera.intrinsics);
+    if (!camera.mask.empty()) recorder.setMask(*camera.id, camera.mask);
+  }
+
+  bool isKeyframe(const CameraState& camera, const Isometry& pose) const {
+    if (!camera.last_kept) return true;
+    const Isometry moved = camera.last_kept->inverse() * pose;
+    const double angle = Eigen::AngleAxisd(moved.linear()).angle() * 180 / M_PI;
+    return moved.translation().norm() >= params.record.keyframe_distance || angle >= params.record.keyframe_angle;
+  }
+
+  /// Size of the image; throws Refused when it cannot be decoded.
+  static cv::Size inspect(const ImageMessage& image, std::string& extension) {
+    try {
+      if (image.raw) {
+        checkImage(*image.raw);
+        return {static_cast<int>(image.raw->width), static_cast<int>(image.raw->height)};
+      }
+      const EncodedInfo info = inspectCompressed(*image.compressed);
+      extension = info.extension;
+      return info.size;
+    } catch (const Invalid& error) {
+      throw Refused{Outcome::kUndecodable, error.what()};
+    }
+  }
+
+  Outcome recordImage(CameraState& camera, const ImageMessage& image) {
+    checkHeader(image.header);
+    if (!camera.info) throw NotYet{{Outcome::kNoCameraInfo, "no camera_info has come"}};
+    if (!camera.id) throw Refused{Outcome::kBadCameraInfo, camera.info_error};
+    PendingView view;
+    view.camera = *camera.id;
+    view.intrinsics = camera.intrinsics;
+    view.stamp = image.header.stamp.toSec() + camera.params.time_offset;
+    view.map_from_camera = lookUp(map_frame, withoutSlash(image.header.frame_id), view.stamp);
+    if (!isKeyframe(camera, view.map_from_camera)) return Outcome::kNotKeyframe;
+
+    const cv::Size size = inspect(image, view.extension);
+    if (size != cv::Size(camera.intrinsics.width, camera.intrinsics.height)) {
+      std::ostringstream text;
+      text << "the image is " << size.width << " x " << size.height << ", its camera_info says "
+           << camera.intrinsics.width << " x " << camera.intrinsics.height;
+      throw Refused{Outcome::kSizeMismatch, text.str()};
+    }
+    camera.last_kept = view.map_from_camera;
+    encode(image, std::move(view));
+    return Outcome::kKept;
+  }
+
+  void encode(const ImageMessage& image, PendingView view) {
+    if (image.compressed) {
+      view.bytes = SharedBytes(&image.compressed->data, [keep = image.compressed](const void*) {});
+    } else {
+      view.encoded = pool.run(
+          [raw = image.raw, format = params.raw_image_format] { return encodeImage(imageFromMessage(*raw), format); });
+    }
+    encoding.push_back(std::move(view));
+    commitViews(kMaxEncoding);
+  }
+
+  /// Writes the views that are encoded, in order, and waits where more than `max_left` would be left.
+  void commitViews(std::size_t max_left) {
+    while (!encoding.empty()) {
+      PendingView& front = encoding.front();
+      const bool ready =
+          !front.encoded.valid() || front.encoded.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+      if (!ready && encoding.size() <= max_left) return;
+      PendingView view = std::move(front);
+      encoding.pop_front();
+      commitView(view);
+    }
+  }
+
+  void commitView(PendingView& view) {
+    if (view.encoded.valid()) {
+      EncodedImage encoded = view.encoded.get();
+      view.extension = encoded.extension;
+      view.bytes = std::make_shared<const std::vector<std::uint8_t>>(std::move(encoded.bytes));
+    }
+    recorder.addView(view.camera, view.stamp, view.map_from_camera, *view.bytes, view.extension);
+    if (!events.view_kept) return;
+    View kept;
+    kept.camera = view.camera;
+    kept.stamp = view.stamp;
+    kept.map_from_camera = view.map_from_camera;
+    events.view_kept(kept, view.intrinsics, view.bytes);
+  }
+
+  // ---- queues ----
+
+  /// Works off a queue up to the first message that has to wait. `record` returns or throws what became of it.
+  template <class Queue, class Record>
+  void workOff(const std::string& stream, StreamStats& of, Queue& queue, const Record& record) {
+    while (!queue.empty()) {
+      const auto message = queue.front();
+      try {
+        const Outcome outcome = record(message);
+        queue.pop_front();
+        count(stream, of, {outcome, ""});
+      } catch (const NotYet& not_yet) {
+        if (!waitedEnough(stampOf(message))) return;
+        queue.pop_front();
+        count(stream, of, not_yet);
+      } catch (const Refused& refused) {
+        queue.pop_front();
+        count(stream, of, refused);
+      } catch (...) {
+        queue.pop_front();
+        throw;
+      }
+    }
+  }
+
+  static double stampOf(const sensor_msgs::PointCloud2ConstPtr& cloud) { return cloud->header.stamp.toSec(); }
+  static double stampOf(const ImageMessage& image) { return image.header.stamp.toSec(); }
+
+  void process() {
+    workOff("clouds", stats.cloud, clouds, [this](const sensor_msgs::PointCloud2ConstPtr& cloud) {
+      recordCloud(*cloud);
+      return Outcome::kKept;
+    });
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+      CameraState& camera = cameras[i];
+      workOff(camera.name, stats.cameras[i], camera.queue,
+              [&](const ImageMessage& image) { return recordImage(camera, image); });
+    }
+    commitViews(kMaxEncoding);
+  }
+
+  template <class Message>
+  void enqueue(const std::string& stream, StreamStats& of, std::deque<Message>& queue, const Message& message) {
+    ++of.received;
+    const double stamp = stampOf(message);
+    if (stamp > 0) {
+      noticeStamp(stream, stamp);
+      newest = std::max(newest, stamp);
+    }
+    queue.push_back(message);
+    if (queue.size() <= kMaxPending) return;
+    queue.pop_front();
+    count(stream, of, {Outcome::kOverflow, "too many messages wait for their transforms"});
+  }
+
+  struct Throttle {
+    bool used = false;
+    std::size_t left_out = 0;
+    std::chrono::steady_clock::time_point last;
+  };
+
+  Recorder& recorder;
+  CollectorParams params;
+  CollectorEvents events;
+  std::string map_frame, sensor_frame;
+  tf2::BufferCore buffer;
+  CollectorStats stats;
+  std::vector<CameraState> cameras;
+  std::deque<sensor_msgs::PointCloud2ConstPtr> clouds;
+  std::deque<PendingView> encoding;
+  std::map<std::string, double> last_stamps;
+  std::map<std::string, Throttle> throttles;
+  double newest = 0;  ///< s, of all clouds and images since time last jumped
+  bool giving_up = false;
+  EncoderPool<EncodedImage> pool;  ///< last: its threads end before what they use
+};
+
+Collector::Collector(Recorder& recorder, const CollectorParams& params, CollectorEvents events)
+    : impl_(new Impl(recorder, params, std::move(events))) {}
+Collector::~Collector() = default;
+
+void Collector::addTransforms(const tf2_msgs::TFMessage& message, bool is_static) {
+  for (const geometry_msgs::TransformStamped& transform : message.transforms) {
+    const std::string child = withoutSlash(transform.child_frame_id);
+    if (!is_static) impl_->noticeStamp("tf of " + child, transform.header.stamp.toSec());
+    geometry_msgs::TransformStamped stripped = transform;
+    stripped.child_frame_id = child;
+    stripped.header.frame_id = withoutSlash(transform.header.frame_id);
+    impl_->buffer.setTransform(stripped, "tf", is_static);  // logs what it refuses
+  }
+}
+
+void Collector::addCloud(const sensor_msgs::PointCloud2ConstPtr& message) {
+  impl_->enqueue("clouds", impl_->stats.cloud, impl_->clouds, message);
+}
+
+void Collector::addCameraInfo(std::size_t camera, const sensor_msgs::CameraInfoConstPtr& message) {
+  impl_->takeCameraInfo(impl_->cameras.at(camera), message);
+}
+
+void Collector::addImage(std::size_t camera, const sensor_msgs::ImageConstPtr& message) {
+  CameraState& state = impl_->cameras.at(camera);
+  impl_->enqueue(state.name, impl_->stats.cameras[camera], state.queue,
+                 ImageMessage{message->header, message, nullptr});
+}
+
+void Collector::addImage(std::size_t camera, const sensor_msgs::CompressedImageConstPtr& message) {
+  CameraState& state = impl_->cameras.at(camera);
+  impl_->enqueue(state.name, impl_->stats.cameras[camera], state.queue,
+                 ImageMessage{message->header, nullptr, message});
+}
+
+void Collector::process() {
+  impl_->process();
+}
+
+void Collector::finish() {
+  impl_->giving_up = true;
+  impl_->process();
+  impl_->commitViews(0);
+  impl_->giving_up = false;
+}
+
+std::size_t Collector::numPending() const {
+  std::size_t pending = impl_->clouds.size() + impl_->encoding.size();
+  for (const CameraState& camera : impl_->cameras) pending += camera.queue.size();
+  return pending;
+}
+
+const CollectorStats& Collector::stats() const {
+  return impl_->stats;
+}
+
+}  // namespace cloud_colorizer
