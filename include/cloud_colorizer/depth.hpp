@@ -24,14 +24,17 @@ struct DepthParams {
 
 enum class Visibility { kHidden, kEdge, kVisible };
 
-/// Depth of the nearest surface (along z of the camera's frame, m), on a grid of cells; +infinity where there is none.
+/// Distance from the camera's centre to the nearest surface [m], on a grid of cells; +infinity where there is none.
+/// (The distance and not z: then a fisheye may see behind its image plane.)
 struct DepthImage {
   cv::Mat1f depth;
-  cv::Mat1b edge;       ///< non-zero within the guard band of a depth edge
-  float cell_size = 1;  ///< px
+  cv::Mat1b edge;             ///< non-zero within the guard band of a depth edge
+  float cell_size = 1;        ///< px
+  float pixel_angle = 1e-3F;  ///< rad that a pixel spans, about
 
-  /// Of a point at pixel (u, v) with depth z [m] and surfel radius r [m].
-  Visibility test(const Eigen::Vector2f& pixel, float z, float radius, const DepthParams& params) const;
+  /// Of a point at pixel (u, v); point [m] and surfel normal (or zero) in the camera's frame, surfel radius [m].
+  Visibility test(const Eigen::Vector2f& pixel, const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
+                  float radius, const DepthParams& params) const;
 };
 
 /// Accumulates surfels from any number of tiles; the order does not matter to the result.
@@ -42,10 +45,12 @@ class DepthSplatter {
   DepthImage finish() const;
 
  private:
+  void splat(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float radius);
+
   const Camera* camera_;
   Eigen::Isometry3f camera_from_map_;
   DepthParams params_;
-  cv::Mat1f depth_;
+  cv::Mat1f inverse_;  ///< 1 / distance: planes are nearly linear in it, and 0 is nothing
 };
 
 }  // namespace cloud_colorizer
