@@ -6,6 +6,7 @@
 
 #include <Eigen/SparseCore>
 #include <memory>
+#include <vector>
 
 namespace cloud_colorizer {
 
@@ -18,7 +19,10 @@ enum class SolverKind { kCholmod, kSpqr };
 /// Different objects may be used from different threads; one object by one thread at a time, also in solve().
 class Factorization {
  public:
-  Factorization(const Eigen::SparseMatrix<double>& lower, SolverKind solver);
+  /// `elimination_order` (every index once, as OrderedGraph has it) saves CHOLMOD its search for an ordering; empty:
+  /// AMD. It does not change the result beyond rounding. SuiteSparseQR always finds its own.
+  Factorization(const Eigen::SparseMatrix<double>& lower, SolverKind solver,
+                const std::vector<int>& elimination_order = {});
   ~Factorization();
   Factorization(Factorization&&) noexcept;
   Factorization& operator=(Factorization&&) noexcept;

@@ -33,6 +33,15 @@ struct Edge {
 /// only where a pass enters and leaves it matters. Two points meet in one block only, so duplicates are local to it.
 std::vector<Edge> zorderGraph(PointsRef points, const ZOrderGrid& grid, const GraphParams& params);
 
+/// The same graph, and an order of elimination for its matrix that costs nothing: points by the block that their last
+/// edge is in, inner blocks first. A pass enters and leaves a block once, so at most 8 points of a block have edges out
+/// of it, and the factor has few entries a point whatever n is; no search for an ordering (AMD) is needed.
+struct OrderedGraph {
+  std::vector<Edge> edges;
+  std::vector<int> elimination_order;  ///< every point once, first to be eliminated first
+};
+OrderedGraph orderedZorderGraph(PointsRef points, const ZOrderGrid& grid, const GraphParams& params);
+
 /// Label of the connected component of every node, 0-based in order of the smallest node. Edges of weight 0 do not
 /// connect. Throws std::invalid_argument if an edge names a node that is not there.
 std::vector<std::uint32_t> connectedComponents(std::size_t num_points, const std::vector<Edge>& edges);

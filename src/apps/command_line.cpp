@@ -34,11 +34,19 @@ void catchSignals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
+/// `camera_<i>/...`: parameters of one camera.
+bool isCameraName(const std::string& argument) {
+  return argument.rfind("camera_", 0) == 0;
+}
+
 /// Length of `name` where the argument reads `name=...`, else 0.
 std::size_t paramNameLength(const std::string& argument) {
   const std::size_t length = argument.find('=');
   if (length == std::string::npos || length == 0) return 0;
-  const auto is_name = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
+  const bool may_have_slash = isCameraName(argument);
+  const auto is_name = [&](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || (c == '/' && may_have_slash);
+  };
   return std::all_of(argument.begin(), argument.begin() + static_cast<std::ptrdiff_t>(length), is_name) ? length : 0;
 }
 
@@ -95,11 +103,22 @@ class Parser {
       line_.positionals.push_back(argument);
       return;
     }
+    const std::string name = argument.substr(0, length);
+    if (isOther(name)) {
+      line_.others[name] = argument.substr(length + 1);
+      return;
+    }
     try {
-      setParam(line_.params, argument.substr(0, length), argument.substr(length + 1));
+      setParam(line_.params, name, argument.substr(length + 1));
     } catch (const std::invalid_argument& error) {
       throw UsageError(error.what());
     }
+  }
+
+  bool isOther(const std::string& name) const {
+    const auto& others = spec_.other_params;
+    const auto same = [&](const ParamText& param) { return param.name == name; };
+    return !others.empty() && (isCameraName(name) || std::any_of(others.begin(), others.end(), same));
   }
 
   void checkComplete() {
@@ -205,6 +224,7 @@ std::string helpText(const CommandSpec& spec) {
     out << "\nParameters, with their defaults (the same names as the node's):\n";
     for (const ParamText& param : describeParams(spec.defaults))
       printRow(out, param.name + "=" + param.value, param.help);
+    for (const ParamText& param : spec.other_params) printRow(out, param.name + "=" + param.value, param.help);
   }
   out << "\nExit codes: 0 done, 1 failed, 2 bad command line, 130 cancelled by Ctrl-C.\n";
   return out.str();

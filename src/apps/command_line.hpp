@@ -37,14 +37,16 @@ struct CommandSpec {
   std::string positionals;  ///< as the usage line shows them, e.g. "DRIVE.bag [DRIVE2.bag ...]"
   std::size_t min_positionals = 0, max_positionals = 0;
   std::vector<OptionSpec> options;
-  Params defaults;           ///< what a program starts from, where it is not Params{}
-  bool takes_params = true;  ///< `name=value` sets a parameter; the help lists them all
+  Params defaults;                      ///< what a program starts from, where it is not Params{}
+  std::vector<ParamText> other_params;  ///< further parameters of this program; they arrive in CommandLine::others
+  bool takes_params = true;             ///< `name=value` sets a parameter; the help lists them all
 };
 
 struct CommandLine {
   std::vector<std::string> positionals;
   std::map<std::string, std::string> options;  ///< by name; a given flag is "true"
   Params params;
+  std::map<std::string, std::string> others;  ///< given values of other_params, and of all names `camera_<i>/...`
   bool help = false;
 
   bool has(const std::string& name) const { return options.count(name) != 0; }

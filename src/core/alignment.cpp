@@ -28,7 +28,8 @@ constexpr double kMaxPriorSigmas = 6;   // a larger correction is refused
 
 void checkInput(const AlignmentInput& input) {
   require<std::invalid_argument>(
-      input.surfels.radii.size() == input.points.cols() && input.surfels.normals.cols() == input.points.cols(),
+      input.surfels.radii.size() == input.points.cols() && input.surfels.normals.cols() == input.points.cols() &&
+ (input.surfels.offsets.size() == 0 || input.surfels.offsets.size() == input.points.cols()),
       "alignment: ", input.points.cols(), " points but ", input.surfels.radii.size(), " surfels");
   require<std::invalid_argument>(input.intensity.size() == 0 || input.intensity.size() == input.points.cols(),
                                  "alignment: ", input.points.cols(), " points but ", input.intensity.size(),
@@ -39,6 +40,16 @@ void checkInput(const AlignmentInput& input) {
   }
   require<std::invalid_argument>(input.views.empty() || (input.images && input.depth),
                                  "alignment: needs a source of images and of depth images");
+}
+
+// The input with its points moved onto the surface, as all stages look at them.
+AlignmentInput onSurface(const AlignmentInput& input) {
+  AlignmentInput moved = input;
+  for (Eigen::Index i = 0; i < moved.points.cols(); ++i) {
+    moved.points.col(i) = input.surfels.onSurface(i, input.points.col(i));
+  }
+  moved.surfels.offsets.resize(0);
+  return moved;
 }
 
 // Everything that align() works on.
@@ -299,7 +310,8 @@ AlignmentResult align(const AlignmentInput& input, const AlignmentParams& params
   const auto start = std::chrono::steady_clock::now();
   params.check();
   checkInput(input);
-  AlignmentResult result = Aligner(input, params, callbacks).run();
+  const AlignmentInput moved = onSurface(input);
+  AlignmentResult result = Aligner(moved, params, callbacks).run();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

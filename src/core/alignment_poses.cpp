@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "cloud_colorizer/alignment/gains.hpp"
+#include "cloud_colorizer/alignment/intensity.hpp"
 #include "cloud_colorizer/alignment/normal_equations.hpp"
 #include "cloud_colorizer/alignment/poses.hpp"
 
@@ -15,6 +16,8 @@ constexpr float kMinScale = 1;       // grey levels: residuals below it are as g
 constexpr double kEdgeMargin = 1.5;  // sigmas of the blur to keep away from depth edges
 constexpr double kCellSigmas = 3.5;  // a square of this side is one independent observation
 constexpr double kMinCell = 8;       // px
+constexpr double kBlockSigmas = 10;  // side of the blocks that local means are taken in
+constexpr double kBlocksAcross = 16;
 
 using Matrix = Eigen::SparseMatrix<double>;
 
@@ -83,28 +86,40 @@ class CellCounter {
   std::size_t count_ = 0;
 };
 
-Equations<6> sampleAll(const PoseData& data, const PoseState& state, int num_threads) {
+// Number of the square block of the image that a pixel lies in.
+std::uint32_t blockOf(const Eigen::Vector2d& pixel, double side, int width) {
+  const auto columns = static_cast<std::uint32_t>(width / side) + 1;
+  return static_cast<std::uint32_t>((pixel.y() + 0.5) / side) * columns +
+         static_cast<std::uint32_t>((pixel.x() + 0.5) / side);
+}
+
+Samples sampleAll(const PoseData& data, const PoseState& state, int num_threads) {
   const Tracks& tracks = *data.tracks;
   const std::size_t count = tracks.numObservations();
-  Equations<6> equations{std::vector<float>(count, 0), std::vector<float>(count, 0),
+  Samples samples;
+  samples.blocks.assign(count, 0);
+  Equations<6>& equations = samples.equations = {std::vector<float>(count, 0), std::vector<float>(count, 0),
                          std::vector<Eigen::Matrix<float, 6, 1>>(count, Eigen::Matrix<float, 6, 1>::Zero())};
   parallelFor(num_threads, tracks.numViews(), [&](std::size_t v) {
     if (tracks.offsets[v] == tracks.offsets[v + 1]) return;
     const ViewSampler sampler(data, v, state.views[v]);
     const auto gain = static_cast<float>(std::exp((*data.log_gains)[static_cast<Eigen::Index>(v)]));
-    CellCounter cells(data.input->cameras[data.input->views[v].camera].intrinsics(), data.sigma);
+    const Intrinsics& intrinsics = data.input->cameras[data.input->views[v].camera].intrinsics();
+    const double side = std::max(kBlockSigmas * data.sigma, intrinsics.width / kBlocksAcross);
+    CellCounter cells(intrinsics, data.sigma);
     for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) {
       const auto sample = sampler(tracks.sightings[k]);
       if (!(sample.weight > 0)) continue;
       equations.values[k] = gain * sample.value;
       equations.weights[k] = sample.weight;
       equations.jacobians[k] = gain * sample.jacobian;
+      samples.blocks[k] = blockOf(sample.pixel, side, intrinsics.width);
       cells.add(sample.pixel);
     }
     const float share = cells.share();
     for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) equations.weights[k] *= share;
   });
-  return equations;
+  return samples;
 }
 
 // Residuals against `centres` of the observations whose point has another one; NaN for the others.
@@ -137,13 +152,20 @@ struct Evaluation {
   double cost = 0;         // mean a unit of weight, times the weight of the first evaluation; without priors
   double weight = 0;
   float scale = 0, residual = 0;  // grey levels
+  float noise = 0;                // grey levels, of the intensity term
+  IntensityTerm intensity;
 };
 
-// scale <= 0: from the residuals themselves.
-Evaluation evaluate(const PoseData& data, const PoseState& state, float scale, double weight, int num_threads) {
+// `like`: an evaluation whose scales are kept, so that the costs can be compared; a default one for none.
+Evaluation evaluate(const PoseData& data, const PoseState& state, const Evaluation& like, int num_threads) {
   const Tracks& tracks = *data.tracks;
+  const float scale = like.scale;
+  const double weight = like.weight;
   Evaluation result;
-  Equations<6>& equations = result.equations = sampleAll(data, state, num_threads);
+  Samples samples = sampleAll(data, state, num_threads);
+  result.noise = like.noise;
+  if (data.ranks) result.intensity = intensityTerm(tracks, samples, *data.ranks, result.noise, num_threads);
+  Equations<6>& equations = result.equations = std::move(samples.equations);
   const std::vector<float> medians = pointMedians(tracks, equations.values, equations.weights);
   std::vector<float> residuals = residualsTo(tracks, equations, medians);
   result.residual = medianMagnitude(residuals);
@@ -164,6 +186,7 @@ Evaluation evaluate(const PoseData& data, const PoseState& state, float scale, d
     result.weight += base[k];
   }
   if (result.weight > 0) result.cost = cost * (weight > 0 ? weight / result.weight : 1);
+  result.cost += result.intensity.cost;
   return result;
 }
 
@@ -243,6 +266,13 @@ System assembleSystem(const PoseData& data, const Evaluation& evaluation, const 
   System system;
   system.gradient = Eigen::VectorXd::Zero(terms.size());
   system.gradient.head(normal.gradient.size()) = normal.gradient;
+  for (std::size_t v = 0; v < evaluation.intensity.gradients.size(); ++v) {
+    const auto base = static_cast<int>(6 * v);
+    system.gradient.segment<6>(base) += evaluation.intensity.gradients[v];
+    for (int r = 0; r < 6; ++r) {
+      for (int c = 0; c <= r; ++c) normal.lower.emplace_back(base + r, base + c, evaluation.intensity.hessians[v](r, c));
+    }
+  }
   terms.addTo(state, normal.lower, system.gradient);
   system.lower.resize(terms.size(), terms.size());
   system.lower.setFromTriplets(normal.lower.begin(), normal.lower.end());
@@ -286,7 +316,7 @@ std::vector<double> timeStddevs(const System& system, const PriorTerms& terms, s
 PoseRounds refinePoses(const PoseData& data, const PosePriors& priors, int rounds, int num_threads, PoseState& state) {
   constexpr double kSmallStep = 0.004;  // of a prior's sigma
   const PriorTerms terms(data.input->views, priors);
-  Evaluation current = evaluate(data, state, 0, 0, num_threads);
+  Evaluation current = evaluate(data, state, {}, num_threads);
   double cost = current.cost + terms.cost(state), damping = 1e-4;
   PoseRounds result;
   result.residual_first = current.residual;
@@ -298,7 +328,7 @@ PoseRounds refinePoses(const PoseData& data, const PosePriors& priors, int round
     const Eigen::VectorXd step = factor.solve(-system.gradient);
     if (factor.info() != Eigen::Success || !step.allFinite()) break;
     const PoseState next = stepped(state, step, terms);
-    Evaluation trial = evaluate(data, next, current.scale, current.weight, num_threads);
+    Evaluation trial = evaluate(data, next, current, num_threads);
     const double trial_cost = trial.cost + terms.cost(next);
     if (!(trial_cost < cost)) {
       damping = std::max(1e-2, 10 * damping);
@@ -314,13 +344,22 @@ PoseRounds refinePoses(const PoseData& data, const PosePriors& priors, int round
     if (largestStep(step, priors) < kSmallStep) break;
   }
   result.residual_last = current.residual;
+  result.explained = current.intensity.explained;
   result.time_stddevs = timeStddevs(system, terms, priors.camera_sigmas.size());
   return result;
 }
 
 GreyValues greyValues(const PoseData& data, const PoseState& state, int num_threads) {
-  Equations<6> equations = sampleAll(data, state, num_threads);
+  Equations<6> equations = sampleAll(data, state, num_threads).equations;
   return {std::move(equations.values), std::move(equations.weights)};
+}
+
+StateCost stateCost(const PoseData& data, const PoseState& state, const StateCost& like, int num_threads) {
+  Evaluation scales;
+  scales.scale = like.scale;
+  scales.noise = like.noise;
+  const Evaluation evaluation = evaluate(data, state, scales, num_threads);
+  return {evaluation.weight > 0 ? evaluation.cost / evaluation.weight : 0, evaluation.scale, evaluation.noise};
 }
 
 }  // namespace cloud_colorizer::alignment

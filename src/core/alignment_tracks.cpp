@@ -60,12 +60,14 @@ std::vector<Sighting> findSightings(const AlignmentInput& input, std::size_t vie
   const auto max_distance = static_cast<float>(input.depth_params.max_view_distance);
   for (Eigen::Index p = 0; p < input.points.cols(); ++p) {
     const Eigen::Vector3f local = camera_from_map * input.points.col(p);
-    if (local.z() <= 0 || local.norm() > max_distance) continue;
+    if (local.norm() > max_distance) continue;
     const auto pixel = camera.project(local);
     if (!pixel) continue;
-    const float cosine = incidence(camera_from_map.linear() * input.surfels.normals.col(p), local);
+    const Eigen::Vector3f normal = camera_from_map.linear() * input.surfels.normals.col(p);
+    const float cosine = incidence(normal, local);
     if (cosine < kGrazing) continue;
-    if (depth->test(*pixel, local.z(), input.surfels.radii[p], input.depth_params) != Visibility::kVisible) continue;
+    const auto visibility = depth->test(*pixel, local, normal, input.surfels.radii[p], input.depth_params);
+    if (visibility != Visibility::kVisible) continue;
     const int row = std::clamp(static_cast<int>((pixel->y() + 0.5F) / depth->cell_size), 0, edge_distance.rows - 1);
     const int col = std::clamp(static_cast<int>((pixel->x() + 0.5F) / depth->cell_size), 0, edge_distance.cols - 1);
     const float clear = std::min(edge_distance(row, col), distanceToBorder(*pixel, camera.intrinsics()));

@@ -41,7 +41,8 @@ TileSurface gatherSurface(Workspace& work, const Chunk& chunk) {
     columns.push_back(std::move(inside));
   }
 
-  TileSurface all{Points(3, num_points), {Eigen::Matrix3Xf(3, num_points), Eigen::VectorXf(num_points)}};
+  TileSurface all{Points(3, num_points),
+                  {Eigen::Matrix3Xf(3, num_points), Eigen::VectorXf(num_points), Eigen::VectorXf(num_points)}};
   Index next = 0;
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     const bool core = t < chunk.core_tiles.size();
@@ -51,6 +52,7 @@ TileSurface gatherSurface(Workspace& work, const Chunk& chunk) {
       all.points.col(next) = tiles[t]->points.col(i);
       all.surfels.normals.col(next) = tiles[t]->surfels.normals.col(i);
       all.surfels.radii[next] = tiles[t]->surfels.radii[i];
+      all.surfels.offsets[next] = tiles[t]->surfels.offsets[i];
     }
   }
   return all;

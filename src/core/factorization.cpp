@@ -65,15 +65,15 @@ Eigen::MatrixXd copyDense(const cholmod_dense& dense) {
 /// L L' of P A P'. Simplicial: the graph is nearly one-dimensional, so there are no dense blocks for a BLAS.
 class CholmodImpl : public Factorization::Impl {
  public:
-  explicit CholmodImpl(const Lower& lower) : Impl(lower.cols()) {
+  CholmodImpl(const Lower& lower, const std::vector<int>& order) : Impl(lower.cols()) {
     cholmod_start(&common_);
     common_.print = 0;
     common_.supernodal = CHOLMOD_SIMPLICIAL;
     common_.final_ll = 1;  // L D L' would accept an indefinite matrix
     common_.nmethods = 1;
-    common_.method[0].ordering = CHOLMOD_AMD;
+    common_.method[0].ordering = order.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
     try {
-      factor(lower);
+      factor(lower, order);
     } catch (...) {
       release();
       throw;
@@ -92,7 +92,7 @@ class CholmodImpl : public Factorization::Impl {
   }
 
  private:
-  void factor(const Lower& lower) {
+  void factor(const Lower& lower, const std::vector<int>& order) {
     cholmod_sparse view{};
     view.nrow = view.ncol = static_cast<std::size_t>(lower.cols());
     view.nzmax = static_cast<std::size_t>(lower.nonZeros());
@@ -104,7 +104,8 @@ class CholmodImpl : public Factorization::Impl {
     view.xtype = CHOLMOD_REAL;
     view.dtype = CHOLMOD_DOUBLE;
     view.sorted = view.packed = 1;
-    factor_ = cholmod_analyze(&view, &common_);
+    int* given = order.empty() ? nullptr : const_cast<int*>(order.data());
+    factor_ = cholmod_analyze_p(&view, given, nullptr, 0, &common_);
     checkStatus(common_.status, size);
     cholmod_factorize(&view, factor_, &common_);
     checkStatus(common_.status, size);
@@ -193,13 +194,26 @@ void checkLower(const Lower& lower) {
   }
 }
 
+void checkOrder(const std::vector<int>& order, Eigen::Index size) {
+  if (order.empty()) return;
+  std::vector<std::uint8_t> found(static_cast<std::size_t>(size), 0);
+  bool ok = order.size() == found.size();
+  for (std::size_t i = 0; ok && i < order.size(); ++i) {
+    ok = order[i] >= 0 && order[i] < size && !std::exchange(found[static_cast<std::size_t>(order[i])], 1);
+  }
+  require<std::invalid_argument>(ok, "elimination order of ", order.size(), " must hold each of ", size,
+                                 " points once");
+}
+
 }  // namespace
 
-Factorization::Factorization(const Eigen::SparseMatrix<double>& lower, SolverKind solver) {
+Factorization::Factorization(const Eigen::SparseMatrix<double>& lower, SolverKind solver,
+                             const std::vector<int>& elimination_order) {
   checkLower(lower);
+  checkOrder(elimination_order, lower.cols());
   if (lower.cols() == 0) return;
   if (solver == SolverKind::kCholmod) {
-    impl_ = std::make_unique<CholmodImpl>(lower);
+    impl_ = std::make_unique<CholmodImpl>(lower, elimination_order);
   } else {
     impl_ = std::make_unique<SpqrImpl>(lower);
   }

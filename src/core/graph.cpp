@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -58,7 +59,7 @@ class BlockLinker {
   std::array<std::uint64_t, kMaxPasses> masks_{};
 };
 
-/// Unique links of all passes, in no particular order.
+/// Unique links of all passes, those inside of a block before those out of it.
 std::vector<Link> passLinks(const std::vector<std::uint64_t>& keys, int passes) {
   const std::vector<std::uint32_t> order = zorderSort(keys, 0);
   const BlockLinker linker(passes);
@@ -74,6 +75,24 @@ std::vector<Link> passLinks(const std::vector<std::uint64_t>& keys, int passes) 
     }
   }
   return links;
+}
+
+/// Points by their last link: from the back, every point that is new.
+std::vector<int> orderByLastLink(std::size_t num_points, const std::vector<Link>& links) {
+  std::vector<int> order(num_points);
+  std::vector<std::uint8_t> placed(num_points, 0);
+  std::size_t end = num_points;
+  const auto place = [&](std::uint32_t point) {
+    if (placed[point]) return;
+    placed[point] = 1;
+    order[--end] = static_cast<int>(point);
+  };
+  for (auto link = links.rbegin(); link != links.rend(); ++link) {
+    place(link->first);
+    place(link->second);
+  }
+  for (std::uint32_t point = 0; end > 0; ++point) place(point);  // one point alone has no link
+  return order;
 }
 
 /// Running sums in place: counts in offsets[i + 1] become starts in offsets[i].
@@ -135,12 +154,19 @@ void GraphParams::check() const {
   requireInRange("edge_length_ratio", edge_length_ratio, 0.0, 1e6);
 }
 
-std::vector<Edge> zorderGraph(PointsRef points, const ZOrderGrid& grid, const GraphParams& params) {
+OrderedGraph orderedZorderGraph(PointsRef points, const ZOrderGrid& grid, const GraphParams& params) {
   params.check();
+  require<std::out_of_range>(points.cols() <= std::numeric_limits<int>::max(), points.cols(),
+                             " points exceed 32-bit indices; use smaller chunks");
   const std::vector<std::uint64_t> keys = zorderKeys(points, grid);
-  std::vector<Edge> edges = sortedEdges(keys.size(), passLinks(keys, params.passes));
-  if (params.edge_length_ratio > 0) weighByLength(points, grid.cell, params.edge_length_ratio, edges);
-  return edges;
+  const std::vector<Link> links = passLinks(keys, params.passes);
+  OrderedGraph graph{sortedEdges(keys.size(), links), orderByLastLink(keys.size(), links)};
+  if (params.edge_length_ratio > 0) weighByLength(points, grid.cell, params.edge_length_ratio, graph.edges);
+  return graph;
+}
+
+std::vector<Edge> zorderGraph(PointsRef points, const ZOrderGrid& grid, const GraphParams& params) {
+  return orderedZorderGraph(points, grid, params).edges;
 }
 
 std::vector<std::uint32_t> connectedComponents(std::size_t num_points, const std::vector<Edge>& edges) {

@@ -184,27 +184,33 @@ class Looker {
     translation_ = camera_from_map.translation();
   }
 
-  void look(PointsRef points, const Surfels& surfels, BestViews& best, ObserveStats& stats) {
+  void look(PointsRef points, const Surfels& surfels, BestViews& best, ObserveResult& result) {
+    ObserveStats& stats = result.stats;
     for (Eigen::Index i = 0; i < points.cols(); ++i) {
       const Eigen::Vector3f point = rotation_ * surfels.onSurface(i, points.col(i)) + translation_;
       if (!camera_.mayShow(point, 0)) {
         ++stats.outside;
       } else if (!(point.squaredNorm() <= max_distance_ * max_distance_)) {
         ++stats.too_far;
+        came(result.unseen[static_cast<std::size_t>(i)], Unseen::kTooFar);
       } else {
-        lookAt(static_cast<std::size_t>(i), point, surfels, best, stats);
+        came(result.unseen[static_cast<std::size_t>(i)],
+             lookAt(static_cast<std::size_t>(i), point, surfels, best, stats));
       }
     }
   }
 
  private:
-  void lookAt(std::size_t i, const Eigen::Vector3f& point, const Surfels& surfels, BestViews& best,
-              ObserveStats& stats) {
+  /// A point is told apart by the view that came nearest to colouring it.
+  static void came(Unseen& so_far, Unseen now) { so_far = std::min(so_far, now); }
+
+  Unseen lookAt(std::size_t i, const Eigen::Vector3f& point, const Surfels& surfels, BestViews& best,
+                ObserveStats& stats) {
     const auto pixel = camera_.project(point);
     const float margin = pixel ? std::min({pixel->x(), pixel->y(), right_ - pixel->x(), bottom_ - pixel->y()}) : -1;
     if (!pixel || margin < border_) {
       ++stats.outside;
-      return;
+      return Unseen::kOutside;
     }
     const auto at = static_cast<Eigen::Index>(i);
     const Eigen::Vector3f normal = rotation_ * surfels.normals.col(at);
@@ -212,17 +218,18 @@ class Looker {
     const Visibility visibility = view_.depth->test(*pixel, point, normal, radius, depth_params_);
     if (visibility == Visibility::kHidden) {
       ++stats.hidden;
-      return;
+      return Unseen::kHidden;
     }
     if (!take(*pixel)) {
       ++stats.masked;
-      return;
+      return Unseen::kMasked;
     }
     const bool edge = visibility == Visibility::kEdge;
     ++(edge ? stats.edge : stats.seen);
     const float distance = point.norm();
     const float quality = weight(point, normal, radius, distance, margin);
     best.add(i, {view_.id, distance, edge ? kEdgeWeight * quality : quality}, values_.data(), edge);
+    return Unseen::kSeen;
   }
 
   /// Reads the values at a pixel; false where the mask or a value that is not finite forbids it.
@@ -278,6 +285,7 @@ ObserveResult observe(PointsRef points, const Surfels& surfels, std::size_t num_
   require<std::invalid_argument>(surfels.normals.cols() == points.cols() && surfels.radii.size() == points.cols(),
                                  "observe: ", surfels.radii.size(), " surfels for ", points.cols(), " points");
   ObserveResult result;
+  result.unseen.assign(static_cast<std::size_t>(points.cols()), Unseen::kOutside);
   BestViews best(static_cast<std::size_t>(points.cols()), params.max_views);
   int channels = 0;
   for (std::size_t k = 0; k < num_views; ++k) {
@@ -285,7 +293,7 @@ ObserveResult observe(PointsRef points, const Surfels& surfels, std::size_t num_
     if (k == 0 && at.image) channels = at.image->channels();
     checkView(at, channels);
     best.setChannels(channels);
-    Looker(at, depth_params, params).look(points, surfels, best, result.stats);
+    Looker(at, depth_params, params).look(points, surfels, best, result);
   }
   result.observations = best.finish();
   return result;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The header of a binary PCD v0.7 file.
+/// The header of the binary PCD v0.7 files that we write.
 #pragma once
 
 #include <cstdint>

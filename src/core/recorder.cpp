@@ -112,6 +112,7 @@ struct Recorder::Impl {
   File views_file;
   std::uint64_t views_size = 0;
   std::optional<TileWriter> tiles;  ///< from the moment the fields are known
+  std::vector<PlacedPoint> placed;  ///< kept between clouds, as fresh memory of this size is slow
   Clock::time_point last_flush = Clock::now();
 
   Impl(const std::string& dir, const std::string& map_frame, const RecordParams& record_params);
@@ -120,7 +121,8 @@ struct Recorder::Impl {
   void openViews();
   void fixOrigin(const Eigen::Vector3d& position);
   void fixFields(const std::vector<Field>& fields);
-  std::vector<PlacedPoint> place(const Cloud& cloud, const Eigen::Isometry3d& map_from_sensor, InsertCounts& counts);
+  const std::vector<PlacedPoint>& place(const Cloud& cloud, const Eigen::Isometry3d& map_from_sensor,
+                                        InsertCounts& counts);
   void flush();
   void flushWhenDue();
 };
@@ -190,14 +192,14 @@ void Recorder::Impl::fixFields(const std::vector<Field>& fields) {
 }
 
 /// Range gate in the sensor's frame, then the stored position and its tile.
-std::vector<PlacedPoint> Recorder::Impl::place(const Cloud& cloud, const Eigen::Isometry3d& map_from_sensor,
-                                               InsertCounts& counts) {
+const std::vector<PlacedPoint>& Recorder::Impl::place(const Cloud& cloud, const Eigen::Isometry3d& map_from_sensor,
+                                                      InsertCounts& counts) {
   const TileGrid grid(info.voxel_size, info.tile_size);
   const double near_squared = params.min_range * params.min_range, far_squared = params.max_range * params.max_range;
   const Eigen::Matrix3d rotation = map_from_sensor.linear();
   Eigen::Vector3d translation = map_from_sensor.translation();
   if (info.origin) translation -= *info.origin;
-  std::vector<PlacedPoint> placed;
+  placed.clear();
   placed.reserve(static_cast<std::size_t>(cloud.positions.cols()));
   for (Eigen::Index i = 0; i < cloud.positions.cols(); ++i) {
     const Eigen::Vector3d in_sensor = cloud.positions.col(i);
@@ -290,7 +292,7 @@ Recorder::InsertCounts Recorder::addCloud(const Cloud& cloud, const Eigen::Isome
   requirePose(map_from_sensor, "the pose of a cloud");
   impl_->flushWhenDue();  // after a failed flush this throws before more is held in memory
   InsertCounts counts;
-  const auto placed = impl_->place(cloud, map_from_sensor, counts);
+  const auto& placed = impl_->place(cloud, map_from_sensor, counts);
   if (!placed.empty()) {
     impl_->fixFields(cloud.fields);
     const RecordMap record_map(cloud.fields, *impl_->info.fields);

@@ -41,7 +41,8 @@ Solution solveWithStatistics(PointsRef points, const Observations& observations,
   checkSeen(points, observations, data);
   Solution solution;
   StopWatch watch;
-  std::vector<Edge> edges = zorderGraph(points, grid, graph_params);  // N of eq. (3)
+  OrderedGraph graph = orderedZorderGraph(points, grid, graph_params);  // N of eq. (3)
+  std::vector<Edge> edges = std::move(graph.edges);
   solution.num_edges = edges.size();
   solution.seconds.graph = watch.lap();
   Gradients gradients =  // eq. (4)
@@ -54,7 +55,7 @@ Solution solveWithStatistics(PointsRef points, const Observations& observations,
   solution.seconds.assembly = watch.lap();
   edges = {};  // the factor is the largest object of all; make room for it
   gradients = {};
-  const Factorization factorization(system.matrix, system_params.solver);
+  const Factorization factorization(system.matrix, system_params.solver, graph.elimination_order);
   solution.seconds.factor = watch.lap();
   solution.values = factorization.solve(system.rhs).transpose().cast<float>();
   solution.seconds.solve = watch.lap();

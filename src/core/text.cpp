@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "text.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <clocale>
 #include <cstdlib>
+#include <filesystem>
 #include <iomanip>
 #include <locale>
 #include <sstream>
@@ -77,6 +80,13 @@ std::vector<std::string> splitAt(const std::string& line, char separator) {
     }
   }
   return parts;
+}
+
+std::string lowerExtension(const std::string& path) {
+  auto extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
 }
 
 }  // namespace cloud_colorizer

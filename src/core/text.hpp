@@ -22,4 +22,7 @@ bool parseInteger(const std::string& word, long long& value);
 std::vector<std::string> splitWords(const std::string& line);  ///< at white space
 std::vector<std::string> splitAt(const std::string& line, char separator);
 
+/// Of a path, in lower case, with its dot.
+std::string lowerExtension(const std::string& path);
+
 }  // namespace cloud_colorizer

@@ -23,7 +23,8 @@ constexpr double kMegabyte = 1e6;
 constexpr double kSurfaceShare = 0.15, kImageShare = 0.15, kDepthShare = 0.1;
 
 std::size_t bytesOf(const TileSurface& s) {
-  return sizeof(float) * static_cast<std::size_t>(s.points.size() + s.surfels.normals.size() + s.surfels.radii.size());
+  return sizeof(float) *
+         static_cast<std::size_t>(s.points.size() + s.surfels.normals.size() + 2 * s.surfels.radii.size());
 }
 std::size_t bytesOf(const cv::Mat& image) {
   return image.total() * image.elemSize();
@@ -150,7 +151,7 @@ std::string Workspace::depthPath(std::size_t view) const {
 bool Workspace::hasSurfels(std::size_t tile) const {
   std::error_code error;
   // The key does not tell how many points the tile had; the size of the file does.
-  const std::uintmax_t size = 4 * sizeof(float) * recording_.tiles()[tile].num_points;
+  const std::uintmax_t size = 5 * sizeof(float) * recording_.tiles()[tile].num_points;
   return fs::file_size(tilePath("surfels", tile), error) == size && !error;
 }
 
@@ -158,6 +159,7 @@ void Workspace::writeSurfels(std::size_t tile, const Surfels& surfels) const {
   BlobWriter blob;
   blob.add(surfels.normals.data(), static_cast<std::size_t>(surfels.normals.size()));
   blob.add(surfels.radii.data(), static_cast<std::size_t>(surfels.radii.size()));
+  blob.add(surfels.offsets.data(), static_cast<std::size_t>(surfels.offsets.size()));
   blob.save(tilePath("surfels", tile));
 }
 
@@ -166,9 +168,11 @@ TileSurface Workspace::readSurface(std::size_t tile) const {
   surface.points = recording_.readPoints(tile);
   surface.surfels.normals.resize(3, surface.points.cols());
   surface.surfels.radii.resize(surface.points.cols());
+  surface.surfels.offsets.resize(surface.points.cols());
   BlobReader blob(tilePath("surfels", tile));
   blob.read(surface.surfels.normals.data(), static_cast<std::size_t>(surface.surfels.normals.size()));
   blob.read(surface.surfels.radii.data(), static_cast<std::size_t>(surface.surfels.radii.size()));
+  blob.read(surface.surfels.offsets.data(), static_cast<std::size_t>(surface.surfels.offsets.size()));
   return surface;
 }
 
@@ -181,6 +185,7 @@ void Workspace::writeDepth(std::size_t view, const DepthImage& image) const {
   const std::int32_t size[2] = {image.depth.rows, image.depth.cols};
   blob.add(size, 2);
   blob.add(&image.cell_size, 1);
+  blob.add(&image.pixel_angle, 1);
   blob.add(image.depth.ptr<float>(), image.depth.total());
   blob.add(image.edge.ptr<std::uint8_t>(), image.edge.total());
   blob.save(depthPath(view));
@@ -192,6 +197,7 @@ DepthImage Workspace::readDepth(std::size_t view) const {
   blob.read(size, 2);
   DepthImage image;
   blob.read(&image.cell_size, 1);
+  blob.read(&image.pixel_angle, 1);
   image.depth.create(size[0], size[1]);
   image.edge.create(size[0], size[1]);
   blob.read(image.depth.ptr<float>(), image.depth.total());

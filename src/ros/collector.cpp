@@ -52,7 +52,8 @@ struct ImageMessage {
 
 /// A view whose image may still be with an encoder.
 struct PendingView {
-  std::uint32_t camera = 0;
+  std::size_t camera = 0;  ///< of the collector
+  std::uint32_t id = 0;    ///< of the recording
   double stamp = 0;
   Isometry map_from_camera;
   Intrinsics intrinsics;
@@ -135,7 +136,7 @@ std::string CollectorStats::describe() const {
 
 struct Collector::Impl {
   Impl(Recorder& recorder_in, const CollectorParams& params_in, CollectorEvents events_in)
-      : recorder(recorder_in),
+      : recorder(&recorder_in),
         params(params_in),
         events(std::move(events_in)),
         map_frame(withoutSlash(params_in.map_frame)),
@@ -155,8 +156,8 @@ struct Collector::Impl {
 
   /// So that a continued recording does not keep the same view again.
   void restoreKeyframes() {
-    if (recorder.numViews() == 0) return;
-    const Recording recording = recorder.snapshot();
+    if (recorder->numViews() == 0) return;
+    const Recording recording = recorder->snapshot();
     for (const View& view : recording.views()) {
       for (CameraState& camera : cameras) {
         if (camera.name != recording.cameras()[view.camera].name) continue;
@@ -268,12 +269,18 @@ struct Collector::Impl {
            "the clouds are in the map frame already, so ranges are measured from its origin; set "
            "~sensor_frame to the scanner's frame");
     }
-    const Recorder::InsertCounts counts = recorder.addCloud(cloud, map_from_sensor);
+    const Recorder::InsertCounts counts = recorder->addCloud(cloud, map_from_sensor);
     stats.points.added += counts.added;
     stats.points.not_finite += counts.not_finite;
     stats.points.too_near += counts.too_near;
     stats.points.too_far += counts.too_far;
     stats.points.voxel_taken += counts.voxel_taken;
+    if (!counts.fields_dropped.empty()) {
+      warn("clouds", "fields",
+           "field " + counts.fields_dropped.front() +
+               " is not recorded: the first cloud of the "
+               "recording had no such field");
+    }
     if (events.cloud_kept) events.cloud_kept(cloud, map_from_sensor);
   }
 
@@ -282,10 +289,14 @@ struct Collector::Impl {
   void takeCameraInfo(CameraState& camera, const sensor_msgs::CameraInfoConstPtr& message) {
     if (camera.info && sameCamera(*camera.info, *message)) return;
     camera.info = message;
+    readCameraInfo(camera);
+  }
+
+  void readCameraInfo(CameraState& camera) {
     camera.id.reset();
     camera.info_error.clear();
     try {
-      const CameraFromInfo result = cameraFromMessage(*message, camera.params.rectified);
+      const CameraFromInfo result = cameraFromMessage(*camera.info, camera.params.rectified);
       if (!result.warning.empty()) warn(camera.name, "info", result.warning);
       camera.intrinsics = result.intrinsics;
       require<Invalid>(
@@ -296,8 +307,8 @@ struct Collector::Impl {
       camera.info_error = error.what();
       return;
     }
-    camera.id = recorder.setCamera(camera.name, camera.intrinsics);
-    if (!camera.mask.empty()) recorder.setMask(*camera.id, camera.mask);
+    camera.id = recorder->setCamera(camera.name, camera.intrinsics);
+    if (!camera.mask.empty()) recorder->setMask(*camera.id, camera.mask);
   }
 
   bool isKeyframe(const CameraState& camera, const Isometry& pose) const {
@@ -327,7 +338,8 @@ struct Collector::Impl {
     if (!camera.info) throw NotYet{{Outcome::kNoCameraInfo, "no camera_info has come"}};
     if (!camera.id) throw Refused{Outcome::kBadCameraInfo, camera.info_error};
     PendingView view;
-    view.camera = *camera.id;
+    view.camera = static_cast<std::size_t>(&camera - cameras.data());
+    view.id = *camera.id;
     view.intrinsics = camera.intrinsics;
     view.stamp = image.header.stamp.toSec() + camera.params.time_offset;
     view.map_from_camera = lookUp(map_frame, withoutSlash(image.header.frame_id), view.stamp);
@@ -375,13 +387,13 @@ struct Collector::Impl {
       view.extension = encoded.extension;
       view.bytes = std::make_shared<const std::vector<std::uint8_t>>(std::move(encoded.bytes));
     }
-    recorder.addView(view.camera, view.stamp, view.map_from_camera, *view.bytes, view.extension);
+    recorder->addView(view.id, view.stamp, view.map_from_camera, *view.bytes, view.extension);
     if (!events.view_kept) return;
     View kept;
-    kept.camera = view.camera;
+    kept.camera = view.id;
     kept.stamp = view.stamp;
     kept.map_from_camera = view.map_from_camera;
-    events.view_kept(kept, view.intrinsics, view.bytes);
+    events.view_kept(view.camera, kept, view.intrinsics, view.bytes);
   }
 
   // ---- queues ----
@@ -445,7 +457,7 @@ struct Collector::Impl {
     std::chrono::steady_clock::time_point last;
   };
 
-  Recorder& recorder;
+  Recorder* recorder;
   CollectorParams params;
   CollectorEvents events;
   std::string map_frame, sensor_frame;
@@ -494,6 +506,18 @@ void Collector::addImage(std::size_t camera, const sensor_msgs::CompressedImageC
   CameraState& state = impl_->cameras.at(camera);
   impl_->enqueue(state.name, impl_->stats.cameras[camera], state.queue,
                  ImageMessage{message->header, nullptr, message});
+}
+
+void Collector::useRecorder(Recorder& recorder) {
+  impl_->commitViews(0);
+  impl_->recorder = &recorder;
+  impl_->stats = {};
+  impl_->stats.cameras.resize(impl_->cameras.size());
+  for (CameraState& camera : impl_->cameras) {
+    camera.last_kept.reset();
+    if (camera.info) impl_->readCameraInfo(camera);
+  }
+  impl_->restoreKeyframes();
 }
 
 void Collector::process() {

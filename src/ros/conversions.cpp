@@ -103,6 +103,7 @@ Layout readLayout(const PointCloud2& message) {
   std::set<std::string> names;
   std::size_t record = 0;
   for (const PointField& field : message.fields) {
+    if (field.name.empty() || field.name == "_") continue;  // padding
     require<Invalid>(field.datatype >= 1 && field.datatype <= 8, "cloud: field ", field.name,
                      " has the unknown datatype ", static_cast<int>(field.datatype));
     require<Invalid>(names.insert(field.name).second, "cloud: field ", field.name, " appears twice");

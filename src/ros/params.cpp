@@ -111,6 +111,23 @@ void NodeParams::check() const {
   requireInRange("max_published_points", max_published_points, 1, 50000000);
 }
 
+void takeCollectorParams(std::map<std::string, std::string>& texts, CollectorParams& params) {
+  visitCollectorParams(params, [&](const char* name, auto& value, const char*) {
+    const auto found = texts.find(name);
+    if (found == texts.end()) return;
+    readText(name, found->second, value);
+    texts.erase(found);
+  });
+}
+
+std::vector<ParamText> describeCollectorParams(const CollectorParams& params) {
+  std::vector<ParamText> rows;
+  visitCollectorParams(params, [&](const char* name, const auto& value, const char* help) {
+    rows.push_back({name, toText(value), help});
+  });
+  return rows;
+}
+
 AllParams paramsFromText(const std::map<std::string, std::string>& texts) {
   AllParams params;
   std::map<std::string, std::string> rest = texts;

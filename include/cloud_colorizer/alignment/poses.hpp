@@ -45,16 +45,25 @@ struct PoseData {
   const BlurredImages* images;
   const Eigen::VectorXd* log_gains;
   double sigma;  ///< px, of the blur
+  const Eigen::VectorXf* ranks = nullptr;  ///< of the points' intensities; null: no tie to them
 };
 
 struct PoseRounds {
   double residual_first = 0, residual_last = 0;  ///< grey levels, median
-  Twist camera_stddev = Twist::Zero();
+  double explained = 0;              ///< share of the grey level's local variance that the intensity explains
   std::vector<double> time_stddevs;  ///< s, by camera
   int accepted = 0;
 };
 /// Up to `rounds` Levenberg-Marquardt steps.
 PoseRounds refinePoses(const PoseData& data, const PosePriors& priors, int rounds, int num_threads, PoseState& state);
+
+/// Cost of a state, for comparisons between states that are far apart. `like`: the result for the state to compare
+/// with, or a default one.
+struct StateCost {
+  double cost = 0;  ///< per unit of weight, without priors; lower is better
+  float scale = 0, noise = 0;
+};
+StateCost stateCost(const PoseData& data, const PoseState& state, const StateCost& like, int num_threads);
 
 /// Grey level of every observation, without gain; weight 0 where there is none.
 struct GreyValues {

@@ -89,7 +89,8 @@ struct CollectorEvents {
   /// Throttled: a kind of warning about a topic comes at most every ten seconds, with the number left out.
   std::function<void(LogLevel, const std::string&)> log;
   std::function<void(const Cloud&, const Eigen::Isometry3d& map_from_sensor)> cloud_kept;
-  std::function<void(const View&, const Intrinsics&, const SharedBytes&)> view_kept;  ///< pose in the map frame
+  /// The pose is in the map frame, not relative to the recording's origin.
+  std::function<void(std::size_t camera, const View&, const Intrinsics&, const SharedBytes&)> view_kept;
 };
 
 /// Used from one thread at a time. What Recorder throws (a full disk) passes through; the message is then lost.
@@ -104,6 +105,9 @@ class Collector {
   void addCameraInfo(std::size_t camera, const sensor_msgs::CameraInfoConstPtr& message);
   void addImage(std::size_t camera, const sensor_msgs::ImageConstPtr& message);
   void addImage(std::size_t camera, const sensor_msgs::CompressedImageConstPtr& message);
+
+  /// Goes on into another recording: transforms, camera_info and waiting messages stay, counters start again.
+  void useRecorder(Recorder& recorder);
 
   /// Records what can be recorded by now. Called by the owner after adding, as often as it likes.
   void process();

@@ -31,32 +31,42 @@ struct NodeParams {
   void check() const;  ///< throws std::invalid_argument with name, value and what is allowed
 };
 
-/// Calls f(name, field, help) for every parameter. `camera_<i>/...` exist for each of collector.cameras.
+/// Calls f(name, field, help) for every parameter of collecting. `camera_<i>/...` exist for each of `p.cameras`.
+template <class CollectorParamsT, class F>
+void visitCollectorParams(CollectorParamsT& p, F&& f) {
+  f("map_frame", p.map_frame, "frame in which the map is built");
+  f("sensor_frame", p.sensor_frame, "frame from which ranges are measured; empty: that of the cloud");
+  f("tf_wait", p.tf_wait, "s of message time that a cloud or an image waits for its transform");
+  f("tf_cache", p.tf_cache, "s of transforms that are kept");
+  f("raw_image_format", p.raw_image_format, "png (smaller) or ppm (faster): how raw images are stored");
+  f("encode_threads", p.encode_threads, "threads that encode raw images");
+  for (std::size_t i = 0; i < p.cameras.size(); ++i) {
+    const std::string prefix = "camera_" + std::to_string(i) + "/";
+    auto& camera = p.cameras[i];
+    f((prefix + "time_offset").c_str(), camera.time_offset, "s added to the image stamps");
+    f((prefix + "mask").c_str(), camera.mask, "image file, black where the camera must not colour");
+    f((prefix + "rectified").c_str(), camera.rectified, "true for rectified images: P is used, without distortion");
+  }
+}
+
+/// The same for the node.
 template <class NodeParamsT, class F>
 void visitNodeParams(NodeParamsT& p, F&& f) {
-  f("map_frame", p.collector.map_frame, "frame in which the map is built");
   f("recording_dir", p.recording_dir, "directory of the recording; empty: a new one below ~/.ros/cloud_colorizer");
   f("save_path", p.save_path, ".ply or .pcd; the map is coloured and saved there on shutdown");
   f("image_transport", p.image_transport, "raw, or compressed for the topics camera_<i>/image/compressed");
-  f("raw_image_format", p.collector.raw_image_format, "png (smaller) or ppm (faster): how raw images are stored");
-  f("encode_threads", p.collector.encode_threads, "threads that encode raw images");
-  f("sensor_frame", p.collector.sensor_frame, "frame from which ranges are measured; empty: that of the cloud");
-  f("tf_wait", p.collector.tf_wait, "s of message time that a cloud or an image waits for its transform");
-  f("tf_cache", p.collector.tf_cache, "s of transforms that are kept");
   f("colorize_after", p.colorize_after, "s without a message after which the map is coloured; 0: never");
   f("queue_size", p.queue_size, "messages of a topic that may wait to be recorded");
   f("preview_voxel_size", p.preview_voxel_size, "m; one point a voxel in colored_map_preview");
   f("preview_period", p.preview_period, "s between previews while recording; 0: none");
   f("max_preview_points", p.max_preview_points, "points of colored_map_preview; the newest stay");
   f("max_published_points", p.max_published_points, "points of colored_map; of a larger map every k-th is published");
-  for (std::size_t i = 0; i < p.collector.cameras.size(); ++i) {
-    const std::string prefix = "camera_" + std::to_string(i) + "/";
-    auto& camera = p.collector.cameras[i];
-    f((prefix + "time_offset").c_str(), camera.time_offset, "s added to the image stamps");
-    f((prefix + "mask").c_str(), camera.mask, "image file, black where the camera must not colour");
-    f((prefix + "rectified").c_str(), camera.rectified, "true for rectified images: P is used, without distortion");
-  }
+  visitCollectorParams(p.collector, f);
 }
+
+/// Sets those of `texts` that are parameters of collecting, and removes them from it.
+void takeCollectorParams(std::map<std::string, std::string>& texts, CollectorParams& params);
+std::vector<ParamText> describeCollectorParams(const CollectorParams& params);
 
 /// All that the node is told by parameters.
 struct AllParams {

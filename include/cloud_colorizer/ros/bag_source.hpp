@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Bags as a source of messages, and the rig: which topic is the cloud and which are the cameras.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cloud_colorizer/ros/collector.hpp"
+#include "cloud_colorizer/types.hpp"
+
+namespace cloud_colorizer {
+
+struct RigCamera {
+  std::string image;        ///< sensor_msgs/Image or CompressedImage
+  std::string camera_info;  ///< sensor_msgs/CameraInfo
+  CameraParams params;
+};
+
+struct Rig {
+  std::string map_frame;  ///< empty: as the parameter says
+  std::string cloud;
+  std::vector<RigCamera> cameras;
+};
+
+/// Topic -> type, e.g. "/points" -> "sensor_msgs/PointCloud2".
+using TopicTypes = std::map<std::string, std::string>;
+
+/// Reads a rig file (see exampleRig). Masks are relative to the file. A camera_info that is not given is the one beside
+/// the image. Throws std::runtime_error: unreadable, unknown key, a topic that is not in the bag or has another type.
+Rig readRig(const std::string& file, const TopicTypes& topics);
+
+/// The rig of a bag with one cloud topic and any number of image topics with a camera_info in the same namespace.
+/// Of a raw and a compressed topic with the same image, the raw one is taken. Throws std::runtime_error, with the
+/// topics and an example of a rig file, when there is more than one way to read the bag, or none.
+Rig guessRig(const TopicTypes& topics);
+
+std::string exampleRig();
+std::string describeRig(const Rig& rig);  ///< one line a topic
+
+/// Reads bags as if they were one. Every function throws std::runtime_error, with the remedy, on a damaged bag.
+class BagSource {
+ public:
+  explicit BagSource(const std::vector<std::string>& bags);
+  ~BagSource();
+
+  const TopicTypes& topics() const;
+  double duration() const;  ///< s
+
+  /// Gives all messages to the collector in the order of the bag: all static transforms first, the others `tf_lead`
+  /// seconds ahead (not across a step back in time). Calls collector.finish() at the end. Throws Cancelled.
+  void play(const Rig& rig, double tf_lead, Collector& collector, const Callbacks& callbacks);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Everything that defines a simulated drive. The initialisers are the defaults of the program `simulate`.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace cloud_colorizer::simulation {
+
+struct Options {
+  int seed = 1;     ///< of the street and of all noise
+  int frames = 40;  ///< LiDAR scans, and images of each camera
+  int cameras = 2;
+  double rate = 10;         ///< Hz, frames a second
+  double speed = 10;        ///< m/s
+  bool moving_car = false;  ///< a car comes the other way
+
+  int width = 1280, height = 800;  ///< px
+  double pixel_noise = 2;          ///< standard deviation, of 255
+  double exposure = 0.12;          ///< largest deviation of the auto-exposure's gain from 1
+  double white_balance = 0.03;     ///< largest deviation of a channel's gain of a camera
+  double vignetting = 0;           ///< loss of brightness in the corner of the image, 0 to 1
+  int jpeg_quality = 95;
+  std::string image_transport = "compressed";  ///< compressed (JPEG) or raw (rgb8)
+
+  int beams = 48;
+  int azimuths = 1250;         ///< firings a revolution
+  double lidar_range = 60;     ///< m
+  double range_noise = 0.015;  ///< m, standard deviation
+
+  double pose_noise_deg = 0.06;       ///< deg, standard deviation an axis, of the vehicle's pose
+  double pose_noise_m = 0.008;        ///< m, the same of its position
+  double extrinsic_noise_deg = 0.12;  ///< deg an axis (root mean square), of each camera's extrinsics
+  double extrinsic_noise_m = 0.006;   ///< m, the same of its position
+  double time_offset = 0;             ///< s, by which the cameras' stamps are late
+
+  double voxel_size = 0.05;  ///< m, of truth.ply
+
+  /// Throws std::invalid_argument with name, value and range.
+  void check() const;
+};
+
+/// Calls f(name, field, help) for every option: the command line, scene.yaml and --help know them from here alone.
+template <class Options_, class F>
+void visitOptions(Options_& o, F&& f) {
+  f("seed", o.seed, "of the street and of all noise");
+  f("frames", o.frames, "LiDAR scans, and images of each camera");
+  f("cameras", o.cameras, "1 to 6: plumb_bob left, rational_polynomial right, equidistant ahead, and so on");
+  f("rate", o.rate, "Hz, frames a second");
+  f("speed", o.speed, "m/s of the vehicle");
+  f("moving-car", o.moving_car, "a car comes the other way");
+  f("width", o.width, "px of the images");
+  f("height", o.height, "px of the images");
+  f("pixel-noise", o.pixel_noise, "standard deviation of the noise of a pixel, of 255");
+  f("exposure", o.exposure, "largest deviation of the gain of the auto-exposure from 1");
+  f("white-balance", o.white_balance, "largest deviation of a channel's gain of a camera from 1");
+  f("vignetting", o.vignetting, "loss of brightness in the corner of the image, 0 to 1");
+  f("jpeg-quality", o.jpeg_quality, "1 to 100");
+  f("image-transport", o.image_transport, "compressed or raw");
+  f("beams", o.beams, "of the LiDAR");
+  f("azimuths", o.azimuths, "firings a revolution of the LiDAR");
+  f("lidar-range", o.lidar_range, "m, the farthest return");
+  f("range-noise", o.range_noise, "m, standard deviation of a range");
+  f("pose-noise-deg", o.pose_noise_deg, "deg, standard deviation of the vehicle's attitude an axis");
+  f("pose-noise-m", o.pose_noise_m, "m, standard deviation of the vehicle's position an axis");
+  f("extrinsic-noise-deg", o.extrinsic_noise_deg, "deg, error of the extrinsics an axis");
+  f("extrinsic-noise-m", o.extrinsic_noise_m, "m, error of the extrinsics an axis");
+  f("time-offset", o.time_offset, "s by which the stamps of the images are late");
+  f("voxel-size", o.voxel_size, "m, of truth.ply; 0 keeps every return");
+}
+
+/// Sets one option from text. Throws std::invalid_argument: unknown name, no number.
+void setOption(Options& options, const std::string& name, const std::string& text);
+
+struct OptionText {
+  std::string name, value, help;
+};
+std::vector<OptionText> describeOptions(const Options& options);
+
+/// The options of a drive from its scene.yaml, so that its scene and truth can be built again.
+/// Throws std::runtime_error with file and reason.
+Options readSceneFile(const std::string& path);
+
+}  // namespace cloud_colorizer::simulation

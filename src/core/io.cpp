@@ -1,3 +1,0 @@
-// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
-// SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/io.hpp"

@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "map_job.hpp"
+
+#include <ros/console.h>
+
+#include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/colorize.hpp"
+
+namespace cloud_colorizer {
+
+Callbacks MapJob::callbacks(const Aborted& aborted) {
+  Callbacks callbacks;
+  callbacks.log = logLine;
+  callbacks.cancelled = aborted;
+  callbacks.progress = [this](const Progress& progress) {
+    {
+      const std::lock_guard<std::mutex> lock(state_mutex_);
+      status_.progress = progress;
+    }
+    const double percent =
+        progress.total > 0 ? 100.0 * static_cast<double>(progress.done) / static_cast<double>(progress.total) : 0;
+    ROS_INFO_STREAM_THROTTLE_NAMED(
+        5, "progress",
+        progress.stage << ": " << static_cast<int>(percent) << " %, " << static_cast<long>(progress.points_per_second)
+                       << " points/s, "
+                       << (progress.seconds_left < 0
+                               ? std::string("time left unknown")
+                               : std::to_string(static_cast<long>(progress.seconds_left + 0.5)) + " s left"));
+  };
+  return callbacks;
+}
+
+JobResult MapJob::run(const std::string& what, const std::function<std::string(const Callbacks&)>& job,
+                      const Aborted& aborted) {
+  const std::unique_lock<std::mutex> alone(job_mutex_, std::try_to_lock);
+  if (!alone.owns_lock()) {
+    return {false, "the map is being coloured or saved (" + status().progress.stage + "); try again when that is done"};
+  }
+  {
+    const std::lock_guard<std::mutex> lock(state_mutex_);
+    status_.running = true;
+    status_.progress = {};
+    status_.progress.stage = what;
+  }
+  JobResult result;
+  try {
+    result = {true, job(callbacks(aborted))};
+    ROS_INFO_STREAM(what << ": " << result.message);
+  } catch (const Cancelled&) {
+    result = {false, "cancelled"};
+    ROS_WARN_STREAM(what << ": cancelled");
+  } catch (const std::exception& error) {
+    result = {false, error.what()};
+    ROS_ERROR_STREAM(what << ": " << error.what());
+  }
+  const std::lock_guard<std::mutex> lock(state_mutex_);
+  status_.running = false;
+  status_.message = result.message;
+  return result;
+}
+
+JobResult MapJob::colorize(const std::function<Recording()>& snapshot, const Aborted& aborted) {
+  const auto job = [&](const Callbacks& callbacks) {
+    const Recording recording = snapshot();
+    const ColorizeSummary summary = cloud_colorizer::colorize(recording, params_.core, callbacks);
+    {
+      const std::lock_guard<std::mutex> lock(state_mutex_);
+      status_.num_colored = summary.num_colored;
+      colored_ = recording;
+    }
+    output_.publishMap(recording, params_.core);
+    return summary.describe();
+  };
+  return run("colour", job, aborted);
+}
+
+JobResult MapJob::save(const std::string& path, const Aborted& aborted) {
+  const auto job = [&](const Callbacks& callbacks) {
+    std::optional<Recording> recording;
+    {
+      const std::lock_guard<std::mutex> lock(state_mutex_);
+      recording = colored_;
+    }
+    require(recording.has_value(), "there is no coloured map yet; call ~colorize");
+    const std::size_t num_points = saveColored(*recording, params_.core, path, callbacks);
+    return std::to_string(num_points) + " points written to " + path;
+  };
+  return run("save", job, aborted);
+}
+
+bool MapJob::hasMap() const {
+  const std::lock_guard<std::mutex> lock(state_mutex_);
+  return colored_.has_value();
+}
+
+std::size_t MapJob::numColored() const {
+  const std::lock_guard<std::mutex> lock(state_mutex_);
+  return status_.num_colored;
+}
+
+JobStatus MapJob::status() const {
+  const std::lock_guard<std::mutex> lock(state_mutex_);
+  return status_;
+}
+
+std::optional<std::unique_lock<std::mutex>> MapJob::reserve() {
+  std::unique_lock<std::mutex> lock(job_mutex_, std::try_to_lock);
+  if (!lock.owns_lock()) return std::nullopt;
+  return lock;
+}
+
+void MapJob::forget() {
+  const std::lock_guard<std::mutex> lock(state_mutex_);
+  colored_.reset();
+  status_ = {};
+}
+
+}  // namespace cloud_colorizer

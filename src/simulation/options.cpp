@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "cloud_colorizer/simulation/options.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <sstream>
+#include <type_traits>
+
+#include "cloud_colorizer/check.hpp"
+
+namespace cloud_colorizer::simulation {
+namespace {
+
+void parse(const std::string& name, const std::string& text, std::string& value) {
+  require<std::invalid_argument>(!text.empty(), "option --", name, " needs a value");
+  value = text;
+}
+
+void parse(const std::string& name, const std::string& text, bool& value) {
+  require<std::invalid_argument>(text == "true" || text == "false" || text.empty(), "option --", name, " = \"", text,
+                                 "\" must be true or false");
+  value = text != "false";
+}
+
+template <class Number>
+void parse(const std::string& name, const std::string& text, Number& value) {
+  std::istringstream stream(text);
+  stream.imbue(std::locale::classic());
+  Number number{};
+  require<std::invalid_argument>(stream >> number && stream.peek() == std::istringstream::traits_type::eof(),
+                                 "option --", name, " = \"", text, "\" is not ",
+                                 std::is_integral<Number>::value ? "a whole number" : "a number");
+  value = number;
+}
+
+template <class Value>
+std::string toText(const Value& value) {
+  std::ostringstream stream;
+  stream.imbue(std::locale::classic());
+  stream.precision(12);
+  stream << std::boolalpha << value;
+  return stream.str();
+}
+
+}  // namespace
+
+void Options::check() const {
+  requireInRange("seed", seed, 0, 1000000000);
+  requireInRange("frames", frames, 1, 100000);
+  requireInRange("cameras", cameras, 1, 6);
+  requireInRange("rate", rate, 1.0, 100.0);
+  requireInRange("speed", speed, 0.0, 50.0);
+  requireInRange("width", width, 16, 8192);
+  requireInRange("height", height, 16, 8192);
+  requireInRange("pixel-noise", pixel_noise, 0.0, 50.0);
+  requireInRange("exposure", exposure, 0.0, 0.5);
+  requireInRange("white-balance", white_balance, 0.0, 0.5);
+  requireInRange("vignetting", vignetting, 0.0, 0.9);
+  requireInRange("jpeg-quality", jpeg_quality, 1, 100);
+  require<std::invalid_argument>(image_transport == "compressed" || image_transport == "raw",
+                                 "parameter image-transport = ", image_transport, " must be compressed or raw");
+  requireInRange("beams", beams, 1, 256);
+  requireInRange("azimuths", azimuths, 1, 10000);
+  requireInRange("lidar-range", lidar_range, 1.0, 500.0);
+  requireInRange("range-noise", range_noise, 0.0, 1.0);
+  requireInRange("pose-noise-deg", pose_noise_deg, 0.0, 10.0);
+  requireInRange("pose-noise-m", pose_noise_m, 0.0, 1.0);
+  requireInRange("extrinsic-noise-deg", extrinsic_noise_deg, 0.0, 10.0);
+  requireInRange("extrinsic-noise-m", extrinsic_noise_m, 0.0, 1.0);
+  requireInRange("time-offset", time_offset, -0.2, 0.2);
+  requireInRange("voxel-size", voxel_size, 0.0, 10.0);
+}
+
+void setOption(Options& options, const std::string& name, const std::string& text) {
+  bool is_known = false;
+  visitOptions(options, [&](const char* known, auto& value, const char*) {
+    if (name != known) return;
+    parse(name, text, value);
+    is_known = true;
+  });
+  require<std::invalid_argument>(is_known, "unknown option --", name, "; see --help");
+}
+
+std::vector<OptionText> describeOptions(const Options& options) {
+  std::vector<OptionText> texts;
+  visitOptions(options, [&](const char* name, const auto& value, const char* help) {
+    texts.push_back({name, toText(value), help});
+  });
+  return texts;
+}
+
+Options readSceneFile(const std::string& path) {
+  try {
+    const YAML::Node file = YAML::LoadFile(path);
+    require(static_cast<bool>(file["options"]), "has no section \"options\"");
+    Options options;
+    for (const auto& entry : file["options"]) {
+      setOption(options, entry.first.as<std::string>(), entry.second.as<std::string>());
+    }
+    options.check();
+    return options;
+  } catch (const std::exception& error) {
+    throw std::runtime_error(path + ": " + error.what());
+  }
+}
+
+}  // namespace cloud_colorizer::simulation

@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iomanip>
+
+#include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/simulation/random.hpp"
+#include "cloud_colorizer/simulation/truth.hpp"
+
+namespace cloud_colorizer::simulation {
+namespace {
+
+std::ofstream openToWrite(const std::string& path) {
+  std::ofstream file(path, std::ios::binary);
+  require(file.good(), "cannot write ", path, ": ", std::strerror(errno));
+  return file;
+}
+
+void finish(std::ofstream& file, const std::string& path) {
+  file.close();
+  require(!file.fail(), "cannot write ", path, ": ", std::strerror(errno));
+}
+
+/// tx ty tz qx qy qz qw
+void writePose(std::ostream& out, const Eigen::Isometry3d& pose, const char* separator) {
+  const Eigen::Quaterniond q(pose.linear());
+  const Eigen::Vector3d t = pose.translation();
+  out << t.x() << separator << t.y() << separator << t.z() << separator << q.x() << separator << q.y() << separator
+      << q.z() << separator << q.w();
+}
+
+std::string secondsOf(std::int64_t nanoseconds) {
+  std::string digits = std::to_string(nanoseconds);
+  return digits.insert(digits.size() - 9, ".");
+}
+
+}  // namespace
+
+void TruthCloud::add(const Scene& scene, const std::vector<Return>& returns) {
+  for (const Return& r : returns) {
+    if (scene.solids()[static_cast<std::size_t>(r.truth.solid)].isMoving()) continue;
+    if (voxel_size_ > 0) {
+      const Eigen::Array3d voxel = (r.truth.point.array() / voxel_size_).floor();
+      const auto key = keyOf(static_cast<std::int64_t>(voxel.x()), static_cast<std::int64_t>(voxel.y()),
+                             static_cast<std::int64_t>(voxel.z()));
+      if (!taken_.insert(key).second) continue;
+    }
+    positions_.push_back(r.truth.point);
+    const Color color = scene.trueColor(r.truth);
+    for (int c = 0; c < 3; ++c) colors_.push_back(static_cast<std::uint8_t>(std::lround(color[c])));
+  }
+}
+
+void TruthCloud::write(const std::string& path) const {
+  std::ofstream file = openToWrite(path);
+  file << "ply\nformat binary_little_endian 1.0\ncomment true surface points and colours\nelement vertex " << size()
+       << "\nproperty double x\nproperty double y\nproperty double z\n"
+       << "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
+    file.write(reinterpret_cast<const char*>(positions_[i].data()), 24);
+    file.write(reinterpret_cast<const char*>(&colors_[3 * i]), 3);
+  }
+  finish(file, path);
+}
+
+void writeTruePoses(const Drive& drive, const std::string& path) {
+  std::ofstream file = openToWrite(path);
+  file << "# true map_from_camera (optical frame) of every image, and what the camera multiplied the colours with\n"
+       << "camera,frame,stamp,gain_red,gain_green,gain_blue,tx,ty,tz,qx,qy,qz,qw\n"
+       << std::setprecision(12);
+  for (int frame = 0; frame < drive.options().frames; ++frame) {
+    for (int camera = 0; camera < drive.options().cameras; ++camera) {
+      const Color gain = drive.gain(camera, frame);
+      file << drive.cameras()[static_cast<std::size_t>(camera)].name << ',' << frame << ','
+           << secondsOf(drive.imageStamp(camera, frame)) << ',' << gain[0] << ',' << gain[1] << ',' << gain[2] << ',';
+      writePose(file, drive.mapFromCamera(camera, frame), ",");
+      file << '\n';
+    }
+  }
+  finish(file, path);
+}
+
+void writeSceneFile(const Drive& drive, const std::string& path) {
+  std::ofstream file = openToWrite(path);
+  file << "# A simulated drive. The same options make the same files again.\noptions:\n" << std::setprecision(12);
+  for (const OptionText& option : describeOptions(drive.options())) {
+    file << "  " << option.name << ": " << option.value << "  # " << option.help << '\n';
+  }
+  file << "# [tx, ty, tz, qx, qy, qz, qw] of base_link from the camera's optical frame\ncameras:\n";
+  for (const DriveCamera& camera : drive.cameras()) {
+    file << "  - name: " << camera.name << "\n    true_extrinsics: [";
+    writePose(file, camera.base_from_camera, ", ");
+    file << "]\n    given_extrinsics: [";
+    writePose(file, camera.base_from_camera_given, ", ");
+    file << "]\n    white_balance: [" << camera.white_balance[0] << ", " << camera.white_balance[1] << ", "
+         << camera.white_balance[2] << "]\n";
+  }
+  finish(file, path);
+}
+
+}  // namespace cloud_colorizer::simulation
