@@ -70,16 +70,16 @@ ZOrderGrid gridOf(PointsRef points) {
   return grid;
 }
 
-std::vector<Edge> buildGraph(const std::string& graph, PointsRef points) {
-  if (graph == "DT") return delaunayGraph(points);
+OrderedGraph buildGraph(const std::string& graph, PointsRef points) {
+  if (graph == "DT") return {delaunayGraph(points), {}};
   const int number = std::atoi(graph.c_str());
-  if (endsWith(graph, "-NN") && number > 0) return knnGraph(points, number);
+  if (endsWith(graph, "-NN") && number > 0) return {knnGraph(points, number), {}};
   require<std::invalid_argument>(endsWith(graph, "-pass") && number > 0, "unknown graph '", graph,
                                  "'; known are 1-pass to 4-pass, 5-NN, 20-NN (any number) and DT");
   GraphParams params;
   params.passes = number;
   params.check();
-  return zorderGraph(points, gridOf(points), params);
+  return orderedZorderGraph(points, gridOf(points), params);
 }
 
 GraphSolution solveOnGraph(const std::string& graph, PointsRef points, const Observations& observations,
@@ -87,7 +87,8 @@ GraphSolution solveOnGraph(const std::string& graph, PointsRef points, const Obs
   params.check();
   GraphSolution solution;
   StopWatch watch;
-  std::vector<Edge> edges = buildGraph(graph, points);
+  OrderedGraph ordered = buildGraph(graph, points);
+  std::vector<Edge> edges = std::move(ordered.edges);
   solution.num_edges = edges.size();
   solution.seconds.graph = watch.lap();
   Gradients gradients = edgeGradients(edges, observations, params.gradient_distance);
@@ -111,7 +112,7 @@ GraphSolution solveOnGraph(const std::string& graph, PointsRef points, const Obs
   solution.seconds.assembly = watch.lap();
   edges = {};
   gradients = {};
-  const Factorization factorization(system.matrix, params.solver);
+  const Factorization factorization(system.matrix, params.solver, ordered.elimination_order);
   solution.seconds.factor = watch.lap();
   solution.values = factorization.solve(system.rhs).transpose().cast<float>();
   solution.seconds.solve = watch.lap();

@@ -48,8 +48,8 @@ struct GraphSolution {
 GraphSolution solveOnGraph(const std::string& graph, PointsRef points, const Observations& observations,
                            const Fused& data, const SystemParams& params, Unanchored unanchored);
 
-/// The edges of such a graph.
-std::vector<Edge> buildGraph(const std::string& graph, PointsRef points);
+/// The edges of such a graph; the order of elimination is empty for those that are no Z-order.
+OrderedGraph buildGraph(const std::string& graph, PointsRef points);
 
 struct MethodResult {
   Values values;                      ///< 3 x n of the test bed
