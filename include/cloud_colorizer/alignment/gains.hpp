@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Gains: one factor a view that makes the views of the same points equally bright.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "cloud_colorizer/alignment/blurred_images.hpp"
+#include "cloud_colorizer/alignment/tracks.hpp"
+
+namespace cloud_colorizer::alignment {
+
+/// log gain x_v of every view: minimises sum rho(v_k (log v_k + x_v(k) - m_p(k))) over x and the points' m, with
+/// robust weights, so in grey levels. `values` [grey levels, > 0] and `weights` by observation; weight 0 has no vote.
+/// Gauge: the mean over all voting observations is 0. A view that shares no point keeps 0. Clamped to
+/// +-log(max_gain).
+Eigen::VectorXd estimateLogGains(const Tracks& tracks, const std::vector<float>& values,
+                                 const std::vector<float>& weights, double max_gain, int num_threads);
+
+/// Median of a copy of the values; 0 of none.
+float median(std::vector<float> values);
+
+/// Cauchy weight 1 / (1 + (r / (2.385 scale))^2): outliers fade, and never become certain to be so.
+inline float cauchyWeight(float residual, float scale) {
+  const float x = residual / (2.385F * scale);
+  return 1 / (1 + x * x);
+}
+
+/// Median of the values of every point among observations of positive weight; 0 without.
+std::vector<float> pointMedians(const Tracks& tracks, const std::vector<float>& values,
+                                const std::vector<float>& weights);
+
+}  // namespace cloud_colorizer::alignment

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Poses: one joint Gauss-Newton problem over the corrections of all views, cameras and clocks.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "cloud_colorizer/alignment/blurred_images.hpp"
+#include "cloud_colorizer/alignment/tracks.hpp"
+
+namespace cloud_colorizer::alignment {
+
+/// A small motion in a camera's frame: rotation [rad], then translation [m].
+using Twist = Eigen::Matrix<double, 6, 1>;
+
+/// p -> R p + t.
+Eigen::Isometry3d motion(const Twist& twist);
+/// The inverse of motion().
+Twist twistOf(const Eigen::Isometry3d& motion);
+
+/// Corrections: the camera's frame sees motion(views[v]) * (what it saw before). A view's correction is expected at
+/// cameras[c] + time_offsets[c] * velocity of v.
+struct PoseState {
+  std::vector<Twist> views, cameras;
+  std::vector<double> time_offsets;  ///< s
+};
+Eigen::Isometry3d correctedPose(const View& view, const Twist& correction);
+
+/// Standard deviations of what is expected (see AlignmentParams), and how each view moves.
+struct PosePriors {
+  std::vector<Twist> view_sigmas, camera_sigmas, velocities;
+  std::vector<double> time_sigmas;  ///< s, by camera
+};
+/// `depths`: median depth of the points of every view, m.
+PosePriors makePriors(const AlignmentInput& input, const AlignmentParams& params, const std::vector<double>& depths);
+/// Motion of every view a second in its own frame, from its neighbours in time of the same camera; 0 without.
+std::vector<Twist> viewVelocities(const std::vector<View>& views);
+
+/// What the poses are estimated from, at one blur.
+struct PoseData {
+  const AlignmentInput* input;
+  const Tracks* tracks;
+  const BlurredImages* images;
+  const Eigen::VectorXd* log_gains;
+  double sigma;  ///< px, of the blur
+  const Eigen::VectorXf* ranks = nullptr;  ///< of the points' intensities; null: no tie to them
+};
+
+struct PoseRounds {
+  double residual_first = 0, residual_last = 0;  ///< grey levels, median
+  double explained = 0;              ///< share of the grey level's local variance that the intensity explains
+  std::vector<double> time_stddevs;  ///< s, by camera
+  int accepted = 0;
+};
+/// Up to `rounds` Levenberg-Marquardt steps.
+PoseRounds refinePoses(const PoseData& data, const PosePriors& priors, int rounds, int num_threads, PoseState& state);
+
+/// Cost of a state, for comparisons between states that are far apart. `like`: the result for the state to compare
+/// with, or a default one.
+struct StateCost {
+  double cost = 0;  ///< per unit of weight, without priors; lower is better
+  float scale = 0, noise = 0;
+};
+StateCost stateCost(const PoseData& data, const PoseState& state, const StateCost& like, int num_threads);
+
+/// Tries time offsets that all cameras share, within +-4 of their priors' sigma, and returns the best, s; 0 when
+/// nothing moves. The capture range of Gauss-Newton is some pixels; a clock can be off by much more.
+double searchTimeOffset(const PoseData& data, const PosePriors& priors, const PoseState& state, int num_threads);
+
+/// Grey level of every observation, without gain; weight 0 where there is none.
+struct GreyValues {
+  std::vector<float> values, weights;
+};
+GreyValues greyValues(const PoseData& data, const PoseState& state, int num_threads);
+
+}  // namespace cloud_colorizer::alignment

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// A computation in a process of its own, with limits, so that it can be stopped and its memory measured.
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace cloud_colorizer {
+
+struct Limits {
+  double seconds = 600;     ///< wall time
+  double megabytes = 8000;  ///< beyond what the caller has in use
+};
+
+struct LimitedRun {
+  std::string status;         ///< "ok", "time limit", "memory limit", or the message of an exception
+  std::string bytes;          ///< what `body` returned; empty unless ok
+  double seconds = 0;         ///< wall time
+  double peak_megabytes = 0;  ///< largest resident memory, of the child alone
+};
+
+/// Runs `body` in a forked child. No other thread may hold a lock at the time, and `body` may not rely on threads of
+/// the caller. Throws std::runtime_error when no process can be made.
+LimitedRun runLimited(const std::function<std::string()>& body, const Limits& limits);
+
+}  // namespace cloud_colorizer

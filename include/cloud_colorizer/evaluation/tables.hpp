@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The paper's tables 1 and 2, its figure 4, and our ablations.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "cloud_colorizer/evaluation/limited.hpp"
+#include "cloud_colorizer/evaluation/methods.hpp"
+#include "cloud_colorizer/evaluation/table.hpp"
+
+namespace cloud_colorizer {
+
+struct TablesParams {
+  TestBedParams bed;
+  NoiseParams noise;  ///< of table 1, both kinds together; its parts make the other two kinds
+  Limits limits;      ///< of one row
+  Params method;      ///< parameters of all methods
+  std::vector<std::size_t> table2_sizes = {65000, 890000, 980000, 1140000, 1670000, 5980000};
+
+  static TablesParams quick();  ///< 65,000 points on one mesh, two sizes, short limits: for CI
+};
+
+/// All meshes of a directory (*.ply, by name), or the built-in shapes where `directory` is empty. Throws
+/// std::runtime_error when the directory has none.
+std::vector<Mesh> loadMeshes(const std::string& directory);
+
+struct Table1 {
+  Table table;      ///< mesh, noise, method, status, aep, rep, ...
+  cv::Mat closeup;  ///< BGR; the paper's figure 4: the first mesh by method
+};
+Table1 makeTable1(const std::vector<Mesh>& meshes, const TablesParams& params, const Callbacks& callbacks);
+
+/// graph, solver, points, status, seconds by stage, peak memory, neighbours a node.
+Table makeTable2(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks);
+
+/// One sentence a bar of the issue, with the numbers, that begins with "met" or "MISSED".
+std::vector<std::string> checkBars(const Table& table1, const Table& table2);
+
+/// Ablations on one mesh: what is varied, its value, AEP, REP, seconds, seam.
+Table makeAblations(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks);
+
+/// Writes CSV files, plots and TABLES.md into a directory. Returns messages about plots that could not be made.
+std::vector<std::string> writeTables(const std::string& directory, const Table1& table1, const Table& table2,
+                                     const std::string& command);
+std::vector<std::string> writeAblations(const std::string& directory, const Table& ablations,
+                                        const std::string& command);
+
+/// "Intel(R) ..., 2 cores, 24 GB": for the reports.
+std::string describeMachine();
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,152 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate_commands.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <iostream>
+
+#include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/evaluation/clouds.hpp"
+#include "cloud_colorizer/evaluation/heldout.hpp"
+#include "cloud_colorizer/evaluation/score.hpp"
+#include "cloud_colorizer/evaluation/tables.hpp"
+#include "command_line.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+double numberOption(const CommandLine& line, const std::string& name, double otherwise) {
+  if (!line.has(name)) return otherwise;
+  const std::string text = line.option(name);
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0') throw UsageError("option --" + name + " must be a number, not '" + text + "'");
+  return value;
+}
+
+std::string joined(int argc, char** argv) {
+  std::string command = "rosrun cloud_colorizer evaluate";
+  for (int i = 0; i < argc; ++i) command += std::string(" ") + argv[i];
+  return command;
+}
+
+void logMessages(const std::vector<std::string>& messages, const Callbacks& callbacks) {
+  for (const std::string& message : messages) callbacks.log(LogLevel::kWarning, message);
+}
+
+const std::vector<OptionSpec> kBedOptions = {
+    {"meshes", "DIR", "meshes (*.ply with faces); without it, built-in shapes"},
+    {"output", "DIR", "where the CSV files, plots and Markdown go", true},
+    {"quick", "", "65,000 points, the first mesh, two sizes, short limits"},
+    {"points", "N", "points on a mesh (300000)"},
+    {"views", "N", "images around it (48)"},
+    {"rotation", "DEG", "noise of the poses about each axis (0.15)"},
+    {"centre", "SHARE", "noise of the camera centres, of the diameter (0.002)"},
+    {"gain", "SHARE", "noise of the brightness of a view (0.1)"},
+    {"pixel", "SIGMA", "noise of a pixel, of 255 (5)"},
+    {"seed", "N", "of points and noise (1)"},
+    {"time-limit", "S", "wall time of one row (600; with --quick 20)"},
+    {"memory-limit", "MB", "memory of one row (8000)"}};
+
+TablesParams tablesParams(const CommandLine& line) {
+  TablesParams params = line.has("quick") ? TablesParams::quick() : TablesParams{};
+  params.method = line.params;
+  params.bed.num_points =
+      static_cast<std::size_t>(numberOption(line, "points", static_cast<double>(params.bed.num_points)));
+  params.bed.num_views = static_cast<int>(numberOption(line, "views", params.bed.num_views));
+  params.bed.seed = static_cast<std::uint64_t>(numberOption(line, "seed", static_cast<double>(params.bed.seed)));
+  params.bed.num_threads = line.params.colorize.num_threads;
+  params.noise.rotation = numberOption(line, "rotation", params.noise.rotation);
+  params.noise.centre = numberOption(line, "centre", params.noise.centre);
+  params.noise.gain = numberOption(line, "gain", params.noise.gain);
+  params.noise.pixel = numberOption(line, "pixel", params.noise.pixel);
+  params.limits.seconds = numberOption(line, "time-limit", params.limits.seconds);
+  params.limits.megabytes = numberOption(line, "memory-limit", params.limits.megabytes);
+  params.bed.check();
+  params.noise.check();
+  return params;
+}
+
+std::vector<Mesh> meshesOf(const CommandLine& line) {
+  std::vector<Mesh> meshes = loadMeshes(line.option("meshes"));
+  if (line.has("quick")) meshes.resize(1);
+  return meshes;
+}
+
+Eigen::Matrix3Xf relative(const Eigen::Matrix3Xd& positions, const Eigen::Vector3d& origin) {
+  return (positions.colwise() - origin).cast<float>();
+}
+
+}  // namespace
+
+int runTables(int argc, char** argv) {
+  CommandSpec spec;
+  spec.program = "evaluate tables";
+  spec.summary = "The paper's tables 1 and 2 with all their rows, and its figure 4, as CSV, PNG and TABLES.md.";
+  spec.options = kBedOptions;
+  return runMain(argc, argv, spec, [&](const CommandLine& line, const Callbacks& callbacks) {
+    const TablesParams params = tablesParams(line);
+    const std::vector<Mesh> meshes = meshesOf(line);
+    makeDirectory(line.option("output"));
+    // Table 2 first: its processes measure memory, and inherit what this one has in use.
+    const Table table2 = makeTable2(meshes.front(), params, callbacks);
+    const Table1 table1 = makeTable1(meshes, params, callbacks);
+    logMessages(writeTables(line.option("output"), table1, table2, joined(argc, argv)), callbacks);
+    for (const std::string& bar : checkBars(table1.table, table2)) std::cout << bar << "\n";
+  });
+}
+
+int runAblations(int argc, char** argv) {
+  CommandSpec spec;
+  spec.program = "evaluate ablations";
+  spec.summary = "What matters: the paper's method on the first mesh, one parameter at a time.";
+  spec.options = kBedOptions;
+  return runMain(argc, argv, spec, [&](const CommandLine& line, const Callbacks& callbacks) {
+    const Table table = makeAblations(meshesOf(line).front(), tablesParams(line), callbacks);
+    logMessages(writeAblations(line.option("output"), table, joined(argc, argv)), callbacks);
+    std::cout << markdown(table);
+  });
+}
+
+int runHeldout(int argc, char** argv) {
+  CommandSpec spec;
+  spec.program = "evaluate heldout";
+  spec.summary = "Leaves every n-th view out, colours the map by each method, and predicts the images left out.";
+  spec.positionals = "RECORDING";
+  spec.min_positionals = spec.max_positionals = 1;
+  spec.options = {{"every", "N", "of the views of a camera, every n-th is left out (8)"},
+                  {"moved", "ERROR", "of 255; beyond it a point moved or reflects (60)"},
+                  {"output", "DIR", "tables and pictures; a working copy of the recording by links", true}};
+  return runMain(argc, argv, spec, [&](const CommandLine& line, const Callbacks& callbacks) {
+    HeldoutParams params;
+    params.every = static_cast<int>(numberOption(line, "every", params.every));
+    params.moved_error = numberOption(line, "moved", params.moved_error);
+    params.params = line.params;
+    const std::string output = line.option("output");
+    makeDirectory(output);
+    const HeldoutResult result = scoreHeldout(Recording::open(line.positionals[0]), params, output, callbacks);
+    writeText(output + "/HELDOUT.md", "# Held-out views\n\nCommand: `" + joined(argc, argv) +
+                                          "`\n\nMachine: " + describeMachine() + "\n\n" + markdown(result.methods));
+    std::cout << markdown(result.methods);
+  });
+}
+
+int runScore(int argc, char** argv) {
+  CommandSpec spec;
+  spec.program = "evaluate score";
+  spec.summary = "Compares two coloured clouds: each point of the truth with the nearest one of the result.";
+  spec.takes_params = false;
+  spec.options = {{"truth", "FILE", "coloured cloud, .ply or .pcd", true},
+                  {"result", "FILE", "coloured cloud; points with view_count 0 do not count", true},
+                  {"max-distance", "M", "of points that are compared (0.1)"}};
+  return runMain(argc, argv, spec, [](const CommandLine& line, const Callbacks&) {
+    const ColoredCloud truth = readColoredCloud(line.option("truth")), result = readColoredCloud(line.option("result"));
+    const Eigen::Vector3d origin = truth.positions.col(0);  // float has half-metre steps at UTM coordinates
+    const Score score = scoreClouds(relative(truth.positions, origin), truth.colors, relative(result.positions, origin),
+                                    result.colors, numberOption(line, "max-distance", 0.1));
+    std::cout << score.describe() << "\n";
+  });
+}
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// evaluate visibility: a coloured map of the simulated street against the exact scene.
+#include <iostream>
+
+#include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/evaluation/clouds.hpp"
+#include "cloud_colorizer/evaluation/score.hpp"
+#include "cloud_colorizer/evaluation/table.hpp"
+#include "cloud_colorizer/io.hpp"
+#include "cloud_colorizer/recording.hpp"
+#include "cloud_colorizer/simulation/truth.hpp"
+#include "command_line.hpp"
+#include "evaluate_commands.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+/// The drive's views as they were really taken, for those that the recording kept.
+std::vector<simulation::TrueView> trueViews(const simulation::Drive& drive, const Recording& recording) {
+  std::vector<simulation::TrueView> views;
+  for (const View& view : recording.views()) {
+    const std::string& name = recording.cameras()[view.camera].name;
+    const auto& cameras = drive.cameras();
+    const auto found = std::find_if(cameras.begin(), cameras.end(), [&](const auto& c) { return c.name == name; });
+    require(found != cameras.end(), "the drive has no camera '", name, "' of the recording");
+    views.push_back(trueViewOfStamp(drive, static_cast<int>(found - cameras.begin()), view.stamp));
+  }
+  return views;
+}
+
+struct Counts {
+  std::size_t visible = 0, visible_colored = 0, hidden = 0, hidden_colored = 0, other = 0;
+};
+
+double percent(std::size_t part, std::size_t whole) {
+  return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
+void report(const ColoredCloud& map, const std::vector<simulation::PointTruth>& truth) {
+  Counts counts;
+  Values true_colors(3, map.colors.cols());
+  std::vector<std::uint8_t> compared(truth.size(), 0);
+  for (std::size_t p = 0; p < truth.size(); ++p) {
+    const bool colored = map.count[p] > 0;
+    true_colors.col(static_cast<Eigen::Index>(p)) = truth[p].color.matrix();
+    if (truth[p].truth == simulation::Truth::kVisible) {
+      ++counts.visible;
+      counts.visible_colored += colored ? 1 : 0;
+      compared[p] = colored ? 1 : 0;
+    } else if (truth[p].truth == simulation::Truth::kHidden && !truth[p].is_near_edge) {
+      ++counts.hidden;
+      counts.hidden_colored += colored ? 1 : 0;
+    } else {
+      ++counts.other;
+    }
+  }
+  std::cout << "truly visible points: " << counts.visible << ", coloured "
+            << formatNumber(percent(counts.visible_colored, counts.visible), 2) << " %\n"
+            << "truly hidden points: " << counts.hidden << ", coloured "
+            << formatNumber(percent(counts.hidden_colored, counts.hidden), 2) << " %\n"
+            << "others (out of view, near an edge, no surface): " << counts.other << "\n"
+            << "colours of visible points: " << scoreColors(true_colors, map.colors, compared).describe() << "\n";
+}
+
+}  // namespace
+
+int runVisibility(int argc, char** argv) {
+  CommandSpec spec;
+  spec.program = "evaluate visibility";
+  spec.summary =
+      "How many truly visible points of the simulated street have a colour, how many hidden ones, and how "
+      "good the colours are.";
+  spec.positionals = "RECORDING";
+  spec.min_positionals = spec.max_positionals = 1;
+  spec.options = {{"scene", "FILE", "scene.yaml of `simulate`", true},
+                  {"map", "FILE", "the coloured map of that recording, with all its points", true}};
+  return runMain(argc, argv, spec, [](const CommandLine& line, const Callbacks&) {
+    const simulation::Drive drive(simulation::readSceneFile(line.option("scene")));
+    const Recording recording = Recording::open(line.positionals[0]);
+    CloudReader reader(line.option("map"));
+    const ColoredCloud map = coloredCloud(reader.read(reader.numPoints()), line.option("map"));
+    simulation::TruthOptions options;
+    options.max_view_distance = line.params.depth.max_view_distance;
+    options.num_threads = line.params.colorize.num_threads;
+    const simulation::Scene scene = makeScene(drive);
+    report(map, trueVisibility(scene, map.positions, trueViews(drive, recording), options));
+  });
+}
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include "cloud_colorizer/alignment/exposure.hpp"
+#include "cloud_colorizer/alignment/gains.hpp"
+#include "cloud_colorizer/parallel.hpp"
+
+namespace cloud_colorizer::alignment {
+namespace {
+
+// Value of every observation in one channel; weight 0 where it has no vote.
+struct Channel {
+  std::vector<float> values, weights;
+};
+
+// Calls visit(k, local, projected) for every observation of the view that is inside the image.
+template <class Visit>
+void forEachSighting(const AlignmentInput& input, const Tracks& tracks, const PoseState& state, std::size_t view,
+                     double margin, Visit&& visit) {
+  const Eigen::Isometry3d camera_from_map = correctedPose(input.views[view], state.views[view]).inverse();
+  const Camera& camera = input.cameras[input.views[view].camera];
+  for (std::uint32_t k = tracks.offsets[view]; k < tracks.offsets[view + 1]; ++k) {
+    if (tracks.sightings[k].edge_distance < margin) continue;
+    const Eigen::Vector3d local = camera_from_map * input.points.col(tracks.sightings[k].point).cast<double>();
+    const auto projected = camera.linearize(local);
+    if (projected) visit(k, local, projected->pixel);
+  }
+}
+
+std::vector<Channel> sampleChannels(const AlignmentInput& input, const Tracks& tracks, const PoseState& state,
+                                    double sigma) {
+  std::vector<Channel> channels(3);
+  for (Channel& channel : channels) {
+    channel.values.assign(tracks.numObservations(), 0);
+    channel.weights.assign(tracks.numObservations(), 0);
+  }
+  parallelFor(input.num_threads, tracks.numViews(), [&](std::size_t v) {
+    if (tracks.offsets[v] == tracks.offsets[v + 1]) return;
+    const auto image = loadImage(input, v);
+    const auto mask = loadMask(input, v);
+    for (int c = 0; c < 3; ++c) {
+      cv::Mat plane;
+      cv::extractChannel(*image, plane, std::min(c, image->channels() - 1));
+      const BlurredImage blurred = blurImage(plane, mask.get(), sigma);
+      forEachSighting(input, tracks, state, v, 1.5 * sigma, [&](auto k, const auto&, const Eigen::Vector2d& pixel) {
+        const GreySample sample = sampleGrey(blurred, pixel);
+        if (!sample.valid || !(sample.value > 1)) return;
+        channels[static_cast<std::size_t>(c)].values[k] = sample.value;
+        channels[static_cast<std::size_t>(c)].weights[k] = tracks.sightings[k].weight;
+      });
+    }
+  });
+  return channels;
+}
+
+}  // namespace
+
+std::vector<Exposure> estimateExposures(const AlignmentInput& input, const Tracks& tracks, const PoseState& state,
+                                        double sigma, double max_gain) {
+  std::vector<Exposure> exposures(tracks.numViews());
+  for (Exposure& exposure : exposures) exposure.gain = Eigen::ArrayXf::Ones(3);
+  const std::vector<Channel> channels = sampleChannels(input, tracks, state, sigma);
+  for (Eigen::Index c = 0; c < 3; ++c) {
+    const Channel& channel = channels[static_cast<std::size_t>(c)];
+    const Eigen::VectorXd gains =
+        estimateLogGains(tracks, channel.values, channel.weights, max_gain, input.num_threads);
+    for (std::size_t v = 0; v < exposures.size(); ++v) {
+      exposures[v].gain[c] = static_cast<float>(std::exp(gains[static_cast<Eigen::Index>(v)]));
+    }
+  }
+  return exposures;
+}
+
+std::vector<float> sharpnessWeights(const AlignmentInput& input, const Tracks& tracks, const PoseState& state,
+                                    const std::vector<Exposure>& exposures) {
+  constexpr double kSigma = 0.7;  // px: less would measure noise
+  constexpr float kMinEdge = 4;   // grey levels a px: weaker gradients are noise
+  Channel channel{std::vector<float>(tracks.numObservations(), 0), std::vector<float>(tracks.numObservations(), 0)};
+  parallelFor(input.num_threads, tracks.numViews(), [&](std::size_t v) {
+    if (tracks.offsets[v] == tracks.offsets[v + 1]) return;
+    const auto mask = loadMask(input, v);
+    const BlurredImage blurred = blurImage(*loadImage(input, v), mask.get(), kSigma);
+    const float gain = exposures[v].gain.mean();
+    forEachSighting(input, tracks, state, v, 3 * kSigma, [&](auto k, const auto&, const Eigen::Vector2d& pixel) {
+      const GreySample sample = sampleGrey(blurred, pixel);
+      if (!sample.valid) return;
+      channel.values[k] = std::max(0.1F, gain * sample.gradient.norm());
+      channel.weights[k] = tracks.sightings[k].weight;
+    });
+  });
+  const std::vector<float> medians = pointMedians(tracks, channel.values, channel.weights);
+  for (std::size_t k = 0; k < channel.weights.size(); ++k) {
+    if (medians[tracks.sightings[k].point] < kMinEdge) channel.weights[k] = 0;
+  }
+  const Eigen::VectorXd blur = estimateLogGains(tracks, channel.values, channel.weights, 10, input.num_threads);
+  std::vector<float> weights(tracks.numViews(), 1);
+  const float middle = median(std::vector<float>(blur.data(), blur.data() + blur.size()));
+  for (std::size_t v = 0; v < weights.size(); ++v) {
+    // Twice the blur: a quarter of the weight. Within 10 % of the median is as sharp as the others.
+    const double excess = std::max(0.0, blur[static_cast<Eigen::Index>(v)] - middle - 0.1);
+    weights[v] = static_cast<float>(std::clamp(std::exp(-2 * excess), 0.1, 1.0));
+  }
+  return weights;
+}
+
+}  // namespace cloud_colorizer::alignment

@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <utility>
+
+#include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/evaluation/methods.hpp"
+#include "cloud_colorizer/evaluation/neighbors.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+using Eigen::Index;
+
+class StopWatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double>(now - std::exchange(start_, now)).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// The random anchors without the rule that every part gets one: as if all points were one part.
+Eigen::VectorXf randomAnchors(PointsRef points, const Fused& data, const SystemParams& params) {
+  std::vector<Edge> chain;
+  for (std::uint32_t p = 0; p + 1 < points.cols(); ++p) chain.push_back({p, p + 1, 1});
+  return dataWeights(points, data, chain, params);
+}
+
+/// Last point of every part that has no anchor; adds up the size of those parts.
+std::vector<Index> freePoints(const Eigen::VectorXf& anchors, const std::vector<Edge>& edges, double* share) {
+  const auto num_points = static_cast<std::size_t>(anchors.size());
+  const std::vector<std::uint32_t> labels = connectedComponents(num_points, edges);
+  const std::size_t num_parts = labels.empty() ? 0 : *std::max_element(labels.begin(), labels.end()) + 1UL;
+  std::vector<std::uint8_t> anchored(num_parts, 0);
+  std::vector<std::size_t> size(num_parts, 0), last(num_parts, 0);
+  for (std::size_t p = 0; p < num_points; ++p) {
+    ++size[labels[p]];
+    last[labels[p]] = p;
+    if (anchors[static_cast<Index>(p)] > 0.5F) anchored[labels[p]] = 1;
+  }
+  std::vector<Index> points;
+  std::size_t count = 0;
+  for (std::size_t part = 0; part < num_parts; ++part) {
+    if (anchored[part]) continue;
+    points.push_back(static_cast<Index>(last[part]));
+    count += size[part];
+  }
+  *share = num_points == 0 ? 0 : static_cast<double>(count) / static_cast<double>(num_points);
+  return points;
+}
+
+bool endsWith(const std::string& text, const std::string& end) {
+  return text.size() > end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+}  // namespace
+
+ZOrderGrid gridOf(PointsRef points) {
+  ZOrderGrid grid;
+  if (points.cols() == 0) return grid;
+  grid.origin = points.rowwise().minCoeff();
+  const float extent = (points.rowwise().maxCoeff() - grid.origin).maxCoeff();
+  if (extent > 0) grid.cell = extent / static_cast<float>((1 << 20) - 1);  // one bit to spare for rounding
+  return grid;
+}
+
+OrderedGraph buildGraph(const std::string& graph, PointsRef points) {
+  if (graph == "DT") return {delaunayGraph(points), {}};
+  const int number = std::atoi(graph.c_str());
+  if (endsWith(graph, "-NN") && number > 0) return {knnGraph(points, number), {}};
+  require<std::invalid_argument>(endsWith(graph, "-pass") && number > 0, "unknown graph '", graph,
+                                 "'; known are 1-pass to 4-pass, 5-NN, 20-NN (any number) and DT");
+  GraphParams params;
+  params.passes = number;
+  params.check();
+  return orderedZorderGraph(points, gridOf(points), params);
+}
+
+GraphSolution solveOnGraph(const std::string& graph, PointsRef points, const Observations& observations,
+                           const Fused& data, const SystemParams& params, Unanchored unanchored) {
+  params.check();
+  GraphSolution solution;
+  StopWatch watch;
+  OrderedGraph ordered = buildGraph(graph, points);
+  std::vector<Edge> edges = std::move(ordered.edges);
+  solution.num_edges = edges.size();
+  solution.seconds.graph = watch.lap();
+  Gradients gradients = edgeGradients(edges, observations, params.gradient_distance);
+  edges = weighEvidence(std::move(edges), gradients, params.no_evidence_weight);
+  solution.seconds.gradients = watch.lap();
+  const Eigen::VectorXf anchors = randomAnchors(points, data, params);
+  const std::vector<Index> free = freePoints(anchors, edges, &solution.unanchored_share);
+  watch.lap();  // what is only a statistic does not count
+  Values values = data.values;
+  Eigen::VectorXf weights;
+  if (unanchored == Unanchored::kPlain) {
+    weights = anchors;
+    for (const Index p : free) {
+      weights[p] = 1;
+      values.col(p).setZero();
+    }
+  } else {
+    weights = dataWeights(points, data, edges, params);
+  }
+  const LinearSystem system = assembleSystem(edges, gradients.values, values, weights, params.lambda);
+  solution.seconds.assembly = watch.lap();
+  edges = {};
+  gradients = {};
+  const Factorization factorization(system.matrix, params.solver, ordered.elimination_order);
+  solution.seconds.factor = watch.lap();
+  solution.values = factorization.solve(system.rhs).transpose().cast<float>();
+  solution.seconds.solve = watch.lap();
+  return solution;
+}
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,195 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_colorizer/evaluation/methods.hpp"
+
+#include <chrono>
+#include <cmath>
+
+#include "cloud_colorizer/alignment.hpp"
+#include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/parallel.hpp"
+#include "cloud_colorizer/point_colors.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+using Eigen::Index;
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::shared_ptr<const DepthImage> depthOf(PointsRef points, const Surfels& surfels, const Camera& camera,
+                                          const Eigen::Isometry3d& pose, const DepthParams& params) {
+  DepthSplatter splatter(camera, pose.inverse().cast<float>(), params);
+  splatter.add(points, surfels);
+  return std::make_shared<const DepthImage>(splatter.finish());
+}
+
+ObservedBed seenOnly(const TestBed& bed, ObserveResult result) {
+  ObservedBed observed;
+  observed.stats = result.stats;
+  Observations& rows = result.observations;
+  std::vector<std::uint32_t> offsets(1, 0);
+  for (std::size_t p = 0; p < rows.numPoints(); ++p) {
+    if (rows.offsets[p + 1] == rows.offsets[p]) continue;
+    observed.seen.push_back(static_cast<Index>(p));
+    offsets.push_back(rows.offsets[p + 1]);
+  }
+  rows.offsets = std::move(offsets);
+  observed.observations = std::move(rows);
+  observed.points.resize(3, static_cast<Index>(observed.seen.size()));
+  for (std::size_t k = 0; k < observed.seen.size(); ++k) {
+    observed.points.col(static_cast<Index>(k)) = bed.points.col(observed.seen[k]);
+  }
+  return observed;
+}
+
+AlignmentInput alignmentInput(const TestBed& bed, const Params& params) {
+  AlignmentInput input;
+  input.cameras.emplace_back(bed.intrinsics);
+  for (const Eigen::Isometry3d& pose : bed.poses) {
+    View view;
+    view.map_from_camera = pose;
+    view.stamp = static_cast<double>(input.views.size());
+    input.views.push_back(view);
+  }
+  input.images = [&bed](std::size_t v) { return std::make_shared<const cv::Mat>(bed.images[v]); };
+  input.depth_params = params.depth;
+  input.num_threads = params.colorize.num_threads;
+  return input;
+}
+
+/// Poses and exposures by the alignment, on a sample of the points; visibility from all of them.
+AlignmentResult alignBed(const TestBed& bed, const Params& params) {
+  constexpr Index kSample = 60000;
+  AlignmentInput input = alignmentInput(bed, params);
+  const Surfels surfels = estimateSurfels(bed.points, params.surfels);
+  const Index step = std::max<Index>(1, bed.points.cols() / kSample), count = bed.points.cols() / step;
+  input.points.resize(3, count);
+  input.surfels.normals.resize(3, count);
+  input.surfels.radii.resize(count);
+  input.surfels.offsets.setZero(count);
+  for (Index k = 0; k < count; ++k) {
+    input.points.col(k) = bed.points.col(k * step);
+    input.surfels.normals.col(k) = surfels.normals.col(k * step);
+    input.surfels.radii[k] = surfels.radii[k * step];
+    if (surfels.offsets.size() > 0) input.surfels.offsets[k] = surfels.offsets[k * step];
+  }
+  input.depth = [&](std::size_t, const Eigen::Isometry3d& pose) {
+    return depthOf(bed.points, surfels, input.cameras[0], pose, params.depth);
+  };
+  return align(input, AlignmentParams{}, Callbacks{});
+}
+
+double gainError(const TestBed& bed, const std::vector<Exposure>& exposures) {
+  std::vector<double> products;
+  double mean = 0;
+  for (std::size_t v = 0; v < exposures.size(); ++v) {
+    const double gain = exposures[v].gain.size() > 0 ? exposures[v].gain.mean() : 1;
+    products.push_back(gain * bed.gains[static_cast<Index>(v)]);
+    mean += products.back() / static_cast<double>(exposures.size());
+  }
+  double sum = 0;
+  for (const double product : products) sum += std::abs(product / mean - 1);
+  return products.empty() ? 0 : sum / static_cast<double>(products.size());
+}
+
+void scatter(const ObservedBed& observed, const Values& values, MethodResult& result) {
+  for (std::size_t k = 0; k < observed.seen.size(); ++k) {
+    result.values.col(observed.seen[k]) = values.col(static_cast<Index>(k)).cwiseMax(0).cwiseMin(255);
+    result.colored[static_cast<std::size_t>(observed.seen[k])] = 1;
+  }
+}
+
+void colorByPreset(const ObservedBed& observed, Method method, Params params, MethodResult& result) {
+  params.colorize.method = method;
+  scatter(observed, colorPoints(observed.points, observed.observations, gridOf(observed.points), params).values,
+          result);
+}
+
+void colorByGraph(const ObservedBed& observed, const std::string& method, const Params& params, MethodResult& result) {
+  static const std::string kPlain = " plain";
+  const bool plain = method.size() > kPlain.size() && method.substr(method.size() - kPlain.size()) == kPlain;
+  const std::string graph = plain ? method.substr(0, method.size() - kPlain.size()) : method;
+  SystemParams system = params.system;
+  system.min_data_weight = 0;  // as in the paper
+  const GraphSolution solution =
+      solveOnGraph(graph, observed.points, observed.observations, fuseMean(observed.observations), system,
+                   plain ? Unanchored::kPlain : Unanchored::kAnchored);
+  scatter(observed, solution.values, result);
+  result.edges_per_point =
+      2 * static_cast<double>(solution.num_edges) / std::max(1.0, static_cast<double>(observed.points.cols()));
+  result.unanchored_share = solution.unanchored_share;
+}
+
+void colorByDefault(const TestBed& bed, const Params& params, MethodResult& result) {
+  const AlignmentResult aligned = alignBed(bed, params);
+  std::vector<Eigen::Isometry3d> poses;
+  std::vector<Exposure> exposures;
+  for (const ViewAlignment& view : aligned.views) {
+    poses.push_back(view.map_from_camera);
+    exposures.push_back(view.exposure);
+  }
+  colorByPreset(observeBed(bed, poses, exposures, params), Method::kDefault, params, result);
+  result.reprojection_error = meanReprojectionError(bed, poses);
+  result.gain_error = gainError(bed, exposures);
+}
+
+}  // namespace
+
+ObservedBed observeBed(const TestBed& bed, const std::vector<Eigen::Isometry3d>& poses,
+                       const std::vector<Exposure>& exposures, const Params& params) {
+  const auto start = Clock::now();
+  const Camera camera(bed.intrinsics);
+  const Surfels surfels = estimateSurfels(bed.points, params.surfels);
+  std::vector<std::shared_ptr<const DepthImage>> depths(poses.size());
+  parallelFor(params.colorize.num_threads, poses.size(),
+              [&](std::size_t v) { depths[v] = depthOf(bed.points, surfels, camera, poses[v], params.depth); });
+  const auto view = [&](std::size_t v) {
+    ObservedView observed;
+    observed.id = static_cast<std::uint32_t>(v);
+    observed.camera = &camera;
+    observed.map_from_camera = poses[v];
+    observed.image = std::make_shared<const cv::Mat>(bed.images[v]);
+    observed.depth = depths[v];
+    if (!exposures.empty()) observed.exposure = exposures[v];
+    return observed;
+  };
+  ObservedBed observed = seenOnly(bed, observe(bed.points, surfels, poses.size(), view, params.depth, params.observe));
+  observed.seconds = secondsSince(start);
+  return observed;
+}
+
+std::vector<std::string> methodNames() {
+  return {"closest",  "mean", "median", "5-NN plain", "5-NN",   "20-NN plain", "20-NN",
+          "DT plain", "DT",   "1-pass", "2-pass",     "3-pass", "4-pass",      "default"};
+}
+
+MethodResult colorizeArrays(const TestBed& bed, const ObservedBed& observed, const std::string& method,
+                            const Params& params) {
+  MethodResult result;
+  result.values = Values::Zero(3, bed.points.cols());
+  result.colored.assign(static_cast<std::size_t>(bed.points.cols()), 0);
+  result.reprojection_error = meanReprojectionError(bed, bed.poses);
+  result.gain_error = gainError(bed, std::vector<Exposure>(bed.poses.size()));
+  const auto start = Clock::now();
+  if (method == "closest") {
+    colorByPreset(observed, Method::kClosest, params, result);
+  } else if (method == "mean") {
+    colorByPreset(observed, Method::kMean, params, result);
+  } else if (method == "median") {
+    colorByPreset(observed, Method::kMedian, params, result);
+  } else if (method == "paper") {
+    colorByPreset(observed, Method::kPaper, params, result);
+  } else if (method == "default") {
+    colorByDefault(bed, params, result);
+  } else {
+    colorByGraph(observed, method, params, result);
+  }
+  result.seconds = secondsSince(start);
+  return result;
+}
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_colorizer/evaluation/limited.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <stdexcept>
+#include <vector>
+
+namespace cloud_colorizer {
+namespace {
+
+TEST(LimitedRun, BytesAndPeakMemoryComeBack) {
+  const LimitedRun run = runLimited(
+      [] {
+        std::vector<char> block(100 << 20);
+        for (std::size_t i = 0; i < block.size(); i += 4096) block[i] = static_cast<char>(i >> 12);
+        return std::string(200000, block[4096] == 1 ? 'x' : 'y');
+      },
+      {60, 4000});
+  EXPECT_EQ(run.status, "ok");
+  EXPECT_EQ(run.bytes, std::string(200000, 'x'));
+  EXPECT_GT(run.peak_megabytes, 100);
+  EXPECT_LT(run.peak_megabytes, 1000);
+}
+
+TEST(LimitedRun, TimeAndMemoryLimitsAndErrorsAreTold) {
+  EXPECT_EQ(runLimited(
+                [] {
+                  sleep(20);
+                  return std::string();
+                },
+                {0.2, 4000})
+                .status,
+            "time limit");
+#if !defined(__SANITIZE_ADDRESS__)  // the sanitiser reserves terabytes and aborts where others throw
+  EXPECT_EQ(runLimited([] { return std::string(1UL << 31, 'x'); }, {60, 200}).status, "memory limit");
+#endif
+  EXPECT_EQ(runLimited([]() -> std::string { throw std::runtime_error("singular"); }, {60, 4000}).status, "singular");
+  EXPECT_THROW(runLimited([] { return std::string(); }, {0, 100}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace cloud_colorizer
