@@ -35,6 +35,9 @@ struct DepthImage {
   /// Of a point at pixel (u, v); point [m] and surfel normal (or zero) in the camera's frame, surfel radius [m].
   Visibility test(const Eigen::Vector2f& pixel, const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
                   float radius, const DepthParams& params) const;
+
+ private:
+  float slope(int row, int col) const;
 };
 
 /// Accumulates surfels from any number of tiles; the order does not matter to the result.

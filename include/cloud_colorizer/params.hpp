@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "cloud_colorizer/alignment.hpp"
 #include "cloud_colorizer/chunks.hpp"
 #include "cloud_colorizer/depth.hpp"
 #include "cloud_colorizer/graph.hpp"
@@ -37,6 +38,7 @@ struct Params {
   RecordParams record;
   SurfelParams surfels;
   DepthParams depth;
+  AlignmentParams alignment;
   ObserveParams observe;
   GraphParams graph;
   SystemParams system;
@@ -51,6 +53,24 @@ std::vector<std::string> enumNames(Method);
 std::vector<std::string> enumNames(Uncolored);
 std::vector<std::string> enumNames(SolverKind);
 std::vector<std::string> enumNames(AnchorKind);
+std::vector<std::string> enumNames(AlignPoses);
+
+template <class AlignmentParamsT, class F>
+void visitAlignmentParams(AlignmentParamsT& p, F&& f) {
+  f("align_exposure", p.align_exposure, "estimate a gain for every view and channel (method default)");
+  f("align_poses", p.align_poses, "none, cameras (their extrinsics) or views (each pose as well)");
+  f("align_time_offset", p.align_time_offset, "apply the cameras' estimated time offsets, not only report them");
+  f("align_to_intensity", p.align_to_intensity, "tie the images to the LiDAR intensity where the cloud has it");
+  f("alignment_points", p.alignment_points, "sample points that one view uses at most");
+  f("alignment_rounds", p.alignment_rounds, "Gauss-Newton rounds at each blur");
+  f("alignment_blur", p.alignment_blur, "px, blur of the first round; 0: from the priors");
+  f("pose_rotation_prior", p.pose_rotation_prior, "deg an axis, expected error of a view's pose");
+  f("pose_translation_prior", p.pose_translation_prior, "m an axis; 0: as many pixels as the rotation");
+  f("extrinsic_rotation_prior", p.extrinsic_rotation_prior, "deg an axis, expected error of a camera's extrinsics");
+  f("extrinsic_translation_prior", p.extrinsic_translation_prior, "m an axis; 0: as many pixels as the rotation");
+  f("time_offset_prior", p.time_offset_prior, "s, expected error of a camera's clock");
+  f("max_gain", p.max_gain, "gains stay within [1 / max_gain, max_gain]");
+}
 
 template <class ParamsT, class F>
 void visitParams(ParamsT& p, F&& f) {
@@ -67,6 +87,7 @@ void visitParams(ParamsT& p, F&& f) {
   f("depth_tolerance", p.depth.depth_tolerance, "share of the depth by which a visible point may lie behind");
   f("depth_edge_guard", p.depth.depth_edge_guard, "px beside a depth edge where a view counts little");
   f("max_view_distance", p.depth.max_view_distance, "m; views farther away do not colour a point");
+  visitAlignmentParams(p.alignment, f);
   f("max_views", p.observe.max_views, "a point keeps its best views up to this number");
   f("image_border", p.observe.image_border, "px at the border of an image that are not used");
   f("passes", p.graph.passes, "1 to 4 Z-order passes");

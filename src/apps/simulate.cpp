@@ -148,7 +148,7 @@ void driveAndRecord(const Scene& scene, const Drive& drive, int threads, DriveBa
   const Options& o = drive.options();
   const auto start = std::chrono::steady_clock::now();
   std::vector<PixelRays> rays;
-  for (const DriveCamera& camera : drive.cameras()) rays.emplace_back(camera.camera);
+  for (const DriveCamera& camera : drive.cameras()) rays.emplace_back(camera.camera, threads);
   const int batch = 2 * resolveNumThreads(threads);
   for (int first = 0; first < o.frames; first += batch) {
     std::vector<Frame> frames(static_cast<std::size_t>(std::min(batch, o.frames - first)));

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iomanip>
 #include <sstream>
 
 #include "cloud_colorizer/alignment/blurred_images.hpp"
 #include "cloud_colorizer/alignment/exposure.hpp"
 #include "cloud_colorizer/alignment/gains.hpp"
+#include "cloud_colorizer/alignment/intensity.hpp"
 #include "cloud_colorizer/alignment/poses.hpp"
 #include "cloud_colorizer/alignment/tracks.hpp"
 #include "cloud_colorizer/check.hpp"
@@ -75,9 +77,12 @@ class Aligner {
  private:
   void look(bool all);
   bool hasOverlap();
+  void findClocks();
   void refine();
+  void updateGains(const PoseData& data);
   void refuse();
   void report();
+  void warnAboutCamera(std::size_t c);
   double startBlur() const;
   std::vector<double> levels() const;
   std::vector<float> residuals(const PoseState& state, double sigma, std::vector<float>& by_view) const;
@@ -93,6 +98,7 @@ class Aligner {
   PosePriors priors_;
   PoseState state_, seen_at_;
   Eigen::VectorXd log_gains_;
+  Eigen::VectorXf ranks_;  // of the intensities; empty: no tie to them
   AlignmentResult result_;
 };
 
@@ -179,27 +185,56 @@ std::vector<double> Aligner::levels() const {
   return sigmas;
 }
 
+void Aligner::updateGains(const PoseData& data) {
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(log_gains_.size());
+  PoseData raw = data;
+  raw.log_gains = &none;
+  const GreyValues grey = greyValues(raw, state_, input_.num_threads);
+  log_gains_ = estimateLogGains(tracks_, grey.values, grey.weights, params_.max_gain, input_.num_threads);
+}
+
+// The clocks are always looked at, because they are the commonest fault; they are corrected only if asked for.
+void Aligner::findClocks() {
+  constexpr double kSuspect = 0.01;  // s
+  const double sigma = startBlur();
+  const BlurredImages images(input_, sigma);
+  const PoseData data{&input_, &tracks_, &images, &log_gains_, sigma, ranks_.size() > 0 ? &ranks_ : nullptr};
+  updateGains(data);
+  PosePriors free = priors_;
+  free.time_sigmas.assign(input_.cameras.size(), params_.time_offset_prior);
+  const double common = searchTimeOffset(data, free, state_, input_.num_threads);
+  PoseState state = state_;
+  for (double& offset : state.time_offsets) offset = common;
+  for (std::size_t v = 0; v < state.views.size(); ++v) state.views[v] += common * priors_.velocities[v];
+  const PoseRounds rounds = refinePoses(data, free, params_.alignment_rounds, input_.num_threads, state);
+  for (std::size_t c = 0; c < input_.cameras.size(); ++c) {
+    CameraAlignment& camera = result_.cameras[c];
+    if (rounds.time_stddevs[c] > 0.9 * params_.time_offset_prior) continue;  // nothing moves
+    camera.time_offset = state.time_offsets[c];
+    camera.time_offset_stddev = rounds.time_stddevs[c];
+    camera.time_offset_suspect =
+        std::abs(camera.time_offset) > std::max(kSuspect, 4 * camera.time_offset_stddev);
+  }
+  if (params_.align_time_offset) state_ = state;
+}
+
 void Aligner::refine() {
+  findClocks();
   const std::vector<double> sigmas = levels();
   for (std::size_t level = 0; level < sigmas.size(); ++level) {
     poll("align poses", level, sigmas.size());
-    if (level > 0) look(false);
+    look(false);
     const BlurredImages images(input_, sigmas[level]);
-    const PoseData data{&input_, &tracks_, &images, &log_gains_, sigmas[level]};
-    const GreyValues grey = [&] {
-      const Eigen::VectorXd none = Eigen::VectorXd::Zero(log_gains_.size());
-      PoseData raw = data;
-      raw.log_gains = &none;
-      return greyValues(raw, state_, input_.num_threads);
-    }();
-    log_gains_ = estimateLogGains(tracks_, grey.values, grey.weights, params_.max_gain, input_.num_threads);
+    const PoseData data{&input_,    &tracks_,      &images,
+                        &log_gains_, sigmas[level], ranks_.size() > 0 ? &ranks_ : nullptr};
+    updateGains(data);
     const PoseRounds rounds = refinePoses(data, priors_, params_.alignment_rounds, input_.num_threads, state_);
-    if (callbacks_.log) {
-      std::ostringstream text;
-      text << "blur " << sigmas[level] << " px: residual " << rounds.residual_first << " -> " << rounds.residual_last
-           << ", " << rounds.accepted << " steps";
-      callbacks_.log(LogLevel::kInfo, text.str());
-    }
+    if (!callbacks_.log) continue;
+    std::ostringstream text;
+    text << "Alignment at a blur of " << sigmas[level] << " px: residual " << rounds.residual_first << " to "
+         << rounds.residual_last << " grey levels in " << rounds.accepted << " steps";
+    if (rounds.explained > 0) text << ", intensity explains " << 100 * rounds.explained << " %";
+    callbacks_.log(LogLevel::kInfo, text.str());
   }
   poll("align poses", sigmas.size(), sigmas.size());
 }
@@ -207,7 +242,7 @@ void Aligner::refine() {
 // Median distance of each view's observations to their points' medians, and of all.
 std::vector<float> Aligner::residuals(const PoseState& state, double sigma, std::vector<float>& by_view) const {
   const BlurredImages images(input_, sigma);
-  const GreyValues grey = greyValues({&input_, &tracks_, &images, &log_gains_, sigma}, state, input_.num_threads);
+  const GreyValues grey = greyValues({&input_, &tracks_, &images, &log_gains_, sigma, nullptr}, state, input_.num_threads);
   const std::vector<float> medians = pointMedians(tracks_, grey.values, grey.weights);
   std::vector<float> all;
   by_view.assign(tracks_.numViews(), 0);
@@ -248,6 +283,20 @@ void Aligner::refuse() {
   }
 }
 
+void Aligner::warnAboutCamera(std::size_t c) {
+  const CameraAlignment& camera = result_.cameras[c];
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(3);
+  if (camera.time_offset_suspect) {
+    text << "camera_" << c << ": its images agree best at " << std::showpos << camera.time_offset << std::noshowpos
+         << " s";
+    text << (params_.align_time_offset ? " (corrected)." : "; set the camera's time offset, or align_time_offset.");
+  } else if (camera.rotation > 2 * params_.extrinsic_rotation_prior) {
+    text << "camera_" << c << ": its extrinsic calibration looks wrong by " << camera.rotation << " deg.";
+  }
+  if (!text.str().empty()) result_.warnings.push_back(text.str());
+}
+
 void Aligner::report() {
   PoseState before = state_;
   for (auto& twist : before.views) twist.setZero();
@@ -265,12 +314,14 @@ void Aligner::report() {
     result_.cameras[c].corrected_from_camera = motion(state_.cameras[c]);
     result_.cameras[c].rotation = state_.cameras[c].head<3>().norm() * 180 / M_PI;
     result_.cameras[c].translation = state_.cameras[c].tail<3>().norm();
-    result_.cameras[c].time_offset = state_.time_offsets[c];
+    if (params_.align_time_offset) result_.cameras[c].time_offset = state_.time_offsets[c];
+    warnAboutCamera(c);
   }
 }
 
 AlignmentResult Aligner::run() {
   if (!params_.align_exposure && params_.align_poses == AlignPoses::kNone) return std::move(result_);
+  if (params_.align_to_intensity) ranks_ = intensityRanks(input_.intensity);
   look(true);
   if (!hasOverlap()) return std::move(result_);
   priors_ = makePriors(input_, params_, depths_);
@@ -280,14 +331,14 @@ AlignmentResult Aligner::run() {
     result_.poses_aligned = true;
   }
   look(false);
-  if (params_.align_exposure) {
-    const double sigma = result_.poses_aligned ? 1.2 : startBlur();
-    const auto exposures = estimateExposures(input_, tracks_, state_, sigma, params_.max_gain);
-    for (std::size_t v = 0; v < exposures.size(); ++v) result_.views[v].exposure = exposures[v];
-    result_.exposure_aligned = true;
+  const double sigma = result_.poses_aligned ? 1.2 : startBlur();
+  const auto exposures = estimateExposures(input_, tracks_, state_, sigma, params_.max_gain);
+  const std::vector<float> weights = sharpnessWeights(input_, tracks_, state_, exposures);
+  for (std::size_t v = 0; v < weights.size(); ++v) {
+    if (params_.align_exposure) result_.views[v].exposure = exposures[v];
+    result_.views[v].weight = weights[v];
   }
-  const std::vector<float> weights = sharpnessWeights(input_, tracks_, state_);
-  for (std::size_t v = 0; v < weights.size(); ++v) result_.views[v].weight = weights[v];
+  result_.exposure_aligned = params_.align_exposure;
   report();
   return std::move(result_);
 }

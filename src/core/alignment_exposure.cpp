@@ -73,7 +73,8 @@ std::vector<Exposure> estimateExposures(const AlignmentInput& input, const Track
   return exposures;
 }
 
-std::vector<float> sharpnessWeights(const AlignmentInput& input, const Tracks& tracks, const PoseState& state) {
+std::vector<float> sharpnessWeights(const AlignmentInput& input, const Tracks& tracks, const PoseState& state,
+                                    const std::vector<Exposure>& exposures) {
   constexpr double kSigma = 0.7;  // px: less would measure noise
   constexpr float kMinEdge = 4;   // grey levels a px: weaker gradients are noise
   Channel channel{std::vector<float>(tracks.numObservations(), 0), std::vector<float>(tracks.numObservations(), 0)};
@@ -81,10 +82,11 @@ std::vector<float> sharpnessWeights(const AlignmentInput& input, const Tracks& t
     if (tracks.offsets[v] == tracks.offsets[v + 1]) return;
     const auto mask = loadMask(input, v);
     const BlurredImage blurred = blurImage(*loadImage(input, v), mask.get(), kSigma);
+    const float gain = exposures[v].gain.mean();
     forEachSighting(input, tracks, state, v, 3 * kSigma, [&](auto k, const auto&, const Eigen::Vector2d& pixel) {
       const GreySample sample = sampleGrey(blurred, pixel);
       if (!sample.valid) return;
-      channel.values[k] = std::max(0.1F, sample.gradient.norm());
+      channel.values[k] = std::max(0.1F, gain * sample.gradient.norm());
       channel.weights[k] = tracks.sightings[k].weight;
     });
   });

@@ -116,7 +116,7 @@ Samples sampleAll(const PoseData& data, const PoseState& state, int num_threads)
       samples.blocks[k] = blockOf(sample.pixel, side, intrinsics.width);
       cells.add(sample.pixel);
     }
-    const float share = cells.share();
+    const float share = cells.share() * (getenv("KAPPA") ? (float)atof(getenv("KAPPA")) : 1.0f);
     for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) equations.weights[k] *= share;
   });
   return samples;
@@ -257,6 +257,7 @@ class PriorTerms {
 
 struct System {
   Matrix lower;
+  Eigen::VectorXd data_diagonal;  // of the data alone: damping must not act on stiff priors
   Eigen::VectorXd gradient;
 };
 
@@ -272,6 +273,10 @@ System assembleSystem(const PoseData& data, const Evaluation& evaluation, const 
     for (int r = 0; r < 6; ++r) {
       for (int c = 0; c <= r; ++c) normal.lower.emplace_back(base + r, base + c, evaluation.intensity.hessians[v](r, c));
     }
+  }
+  system.data_diagonal = Eigen::VectorXd::Zero(terms.size());
+  for (const auto& entry : normal.lower) {
+    if (entry.row() == entry.col()) system.data_diagonal[entry.row()] += entry.value();
   }
   terms.addTo(state, normal.lower, system.gradient);
   system.lower.resize(terms.size(), terms.size());
@@ -323,7 +328,7 @@ PoseRounds refinePoses(const PoseData& data, const PosePriors& priors, int round
   System system = assembleSystem(data, current, terms, state, num_threads);
   for (int round = 0; round < rounds; ++round) {
     Matrix damped = system.lower;
-    for (Eigen::Index i = 0; i < damped.rows(); ++i) damped.coeffRef(i, i) *= 1 + damping;
+    for (Eigen::Index i = 0; i < damped.rows(); ++i) damped.coeffRef(i, i) += damping * system.data_diagonal[i];
     const Eigen::SimplicialLDLT<Matrix, Eigen::Lower> factor(damped);
     const Eigen::VectorXd step = factor.solve(-system.gradient);
     if (factor.info() != Eigen::Success || !step.allFinite()) break;
@@ -360,6 +365,32 @@ StateCost stateCost(const PoseData& data, const PoseState& state, const StateCos
   scales.noise = like.noise;
   const Evaluation evaluation = evaluate(data, state, scales, num_threads);
   return {evaluation.weight > 0 ? evaluation.cost / evaluation.weight : 0, evaluation.scale, evaluation.noise};
+}
+
+double searchTimeOffset(const PoseData& data, const PosePriors& priors, const PoseState& state, int num_threads) {
+  constexpr int kSteps = 12;  // to either side
+  double fastest = 0, prior = 0;
+  for (const Twist& velocity : priors.velocities) fastest = std::max(fastest, velocity.norm());
+  for (const double sigma : priors.time_sigmas) prior = std::max(prior, sigma);
+  if (!(fastest > 0)) return 0;
+  const double step = 4 * prior / kSteps;
+  StateCost like;
+  const auto costAt = [&](double offset) {
+    PoseState moved = state;
+    for (std::size_t v = 0; v < moved.views.size(); ++v) moved.views[v] += offset * priors.velocities[v];
+    const StateCost cost = stateCost(data, moved, like, num_threads);
+    if (like.scale <= 0) like = cost;
+    return cost.cost;
+  };
+  double best = 0, least = costAt(0);
+  for (int i = -kSteps; i <= kSteps; ++i) {
+    const double cost = i == 0 ? least : costAt(i * step);
+    if (cost < least) {
+      least = cost;
+      best = i * step;
+    }
+  }
+  return best;
 }
 
 }  // namespace cloud_colorizer::alignment

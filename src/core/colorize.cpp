@@ -25,8 +25,10 @@ ColorizeSummary colorize(const Recording& recording, const Params& params, const
   requireColorable(recording);
 
   Workspace work(recording, params);
-  work.prepare();
-  makeSurfels(work, callbacks);      // per tile: what closes the surface between the points
+  work.prepareAlignment();
+  makeSurfels(work, callbacks);  // per tile: what closes the surface between the points
+  alignViews(work, callbacks);   // all views: exposure and small corrections of the poses
+  work.prepareColors();
   makeDepthImages(work, callbacks);  // per view: what it can see of the whole map
   colorChunks(work, callbacks);      // per chunk: observe, graph, system, solve; eq. (1)-(5)
 

@@ -16,7 +16,10 @@ constexpr float kMaxSplat = 32;      // cells; half the extent of the largest sp
 constexpr float kLowPass = 0.5F;     // cells; added to every splat so that neighbours join
 constexpr float kMaxShare = 0.3F;    // of the distance: a disc's radius at most, as nearer discs cross the camera
 constexpr float kMinCosine = 0.05F;  // of the incidence; more grazing ones count as this
-constexpr float kJump = 0.04F;       // relative change of depth between cells that is an edge
+constexpr float kThickness = 0.3F;   // of the radius: how thick surfaces are
+constexpr float kBallThickness = 1.5F;
+constexpr float kHalfCell = 0.5F;
+constexpr float kJump = 0.04F;  // relative change of depth between cells that is an edge
 
 /// A splat: the ellipse a du^2 + 2 b du dv + c dv^2 <= 1 about (u, v) and its plane of inverse distance. In cells.
 struct Ellipse {
@@ -107,19 +110,41 @@ void DepthParams::check() const {
   requireInRange("max_view_distance", max_view_distance, 1e-6, 1e9);
 }
 
+/// Depth change to the next cell [m a cell]: the lesser of the two sides, so that a depth edge does not count.
+float DepthImage::slope(int row, int col) const {
+  const float here = depth(row, col);
+  const auto along = [&](int d_row, int d_col) {
+    float least = std::numeric_limits<float>::infinity();
+    for (const int sign : {-1, 1}) {
+      const int r = row + sign * d_row, c = col + sign * d_col;
+      if (r < 0 || c < 0 || r >= depth.rows || c >= depth.cols) continue;
+      least = std::min(least, std::abs(depth(r, c) - here));
+    }
+    return std::isfinite(least) ? least : 0.0F;
+  };
+  return std::hypot(along(0, 1), along(1, 0));
+}
+
 Visibility DepthImage::test(const Eigen::Vector2f& pixel, const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
                             float radius, const DepthParams& params) const {
-  const auto col = static_cast<int>((pixel.x() + 0.5F) / cell_size);
-  const auto row = static_cast<int>((pixel.y() + 0.5F) / cell_size);
-  if (!(pixel.x() >= -0.5F && pixel.y() >= -0.5F) || col >= depth.cols || row >= depth.rows) return Visibility::kHidden;
-  const float distance = point.norm(), surface = depth(row, col);
-  float slack = static_cast<float>(params.depth_tolerance) * distance;
-  if (distance - slack > surface) {
-    // On a slanted surface, thickness along the normal and half a cell of offset are more along the ray.
-    const float cosine = normal.isZero() ? 1.0F : std::max(kMinCosine, std::abs(normal.dot(point)) / distance);
-    const float tangent = std::sqrt(1 - std::min(1.0F, cosine * cosine)) / cosine;
-    slack += 0.5F * radius / cosine + 0.5F * cell_size * pixel_angle * distance * tangent;
-    if (!(distance - slack <= surface)) return Visibility::kHidden;
+  const float u = (pixel.x() + 0.5F) / cell_size, v = (pixel.y() + 0.5F) / cell_size;
+  if (!(u >= 0 && v >= 0 && u < static_cast<float>(depth.cols) && v < static_cast<float>(depth.rows))) {
+    return Visibility::kHidden;
+  }
+  const int row = static_cast<int>(v), col = static_cast<int>(u);
+  const float distance = point.norm(), behind = distance - depth(row, col);
+  const float share = static_cast<float>(params.depth_tolerance) * distance;
+  const bool ball = normal.isZero();
+  const float thickness = (ball ? kBallThickness : kThickness) * radius;
+  if (behind > share + thickness) {
+    // On a slanted surface thickness and half a cell are more along the ray. Both the point's own surface and the one
+    // that is seen must be slanted, else a wall would not hide what stands edge-on behind it.
+    const float cell = cell_size * pixel_angle * distance;
+    const float seen_tangent = slope(row, col) / cell;
+    const float seen = kHalfCell * cell * seen_tangent + thickness * std::sqrt(1 + seen_tangent * seen_tangent);
+    const float cosine = ball ? 1.0F : std::min(1.0F, std::max(kMinCosine, std::abs(normal.dot(point)) / distance));
+    const float own = kHalfCell * cell * std::sqrt(1 - cosine * cosine) / cosine + thickness / cosine;
+    if (!(behind <= share + std::min(own, seen))) return Visibility::kHidden;
   }
   return edge(row, col) != 0 ? Visibility::kEdge : Visibility::kVisible;
 }

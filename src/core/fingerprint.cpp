@@ -45,10 +45,30 @@ std::string paramsText(const Params& params, const std::set<std::string>& names,
   return text;
 }
 
+std::string imagesKey(const Recording& recording) {
+  Hash hash;
+  for (const View& view : recording.views()) hash.add(view.image).addValue(view.camera);
+  for (const auto& camera : recording.cameras()) {
+    std::error_code error;
+    hash.add(camera.mask).addValue(std::filesystem::file_size(recording.directory() + "/" + camera.mask, error));
+  }
+  return line("images and masks", hash.value());
+}
+
 }  // namespace
 
 std::string surfelsKey(const Params& params) {
   return paramsText(params, {"num_neighbors"}, false);
+}
+
+std::string alignmentKey(const Recording& recording, const Params& params) {
+  Hash poses;
+  for (const View& view : recording.views()) poses.add(view.map_from_camera.matrix().data(), 16).addValue(view.stamp);
+  const AlignmentParams defaults;
+  std::set<std::string> names = {"method"};
+  visitAlignmentParams(defaults, [&](const char* name, const auto&, const char*) { names.insert(name); });
+  return surfelsKey(params) + depthKey(recording, params) + imagesKey(recording) +
+         line("poses of the recording", poses.value()) + paramsText(params, names, false);
 }
 
 std::string depthKey(const Recording& recording, const Params& params) {
@@ -65,15 +85,9 @@ std::string depthKey(const Recording& recording, const Params& params) {
 }
 
 std::string colorsKey(const Recording& recording, const Params& params) {
-  Hash hash;
-  for (const View& view : recording.views()) hash.add(view.image).addValue(view.camera);
-  for (const auto& camera : recording.cameras()) {
-    std::error_code error;
-    hash.add(camera.mask).addValue(std::filesystem::file_size(recording.directory() + "/" + camera.mask, error));
-  }
   // These do not change the colour of a tile.
   const std::set<std::string> without = {"num_threads", "memory_limit", "uncolored", "fill_distance", "max_open_tiles"};
-  return line("images and masks", hash.value()) + paramsText(params, without, true);
+  return imagesKey(recording) + paramsText(params, without, true);
 }
 
 std::string posesKey(const std::vector<CorrectedView>& views) {
@@ -87,6 +101,7 @@ std::string exposuresKey(const std::vector<CorrectedView>& views) {
   for (const auto& view : views) {
     hash.add(view.exposure.gain.data(), static_cast<std::size_t>(view.exposure.gain.size()));
     hash.add(view.exposure.offset.data(), static_cast<std::size_t>(view.exposure.offset.size()));
+    hash.addValue(view.weight);
   }
   return line("exposures", hash.value());
 }

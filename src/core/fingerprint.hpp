@@ -16,9 +16,11 @@ namespace cloud_colorizer {
 struct CorrectedView {
   Eigen::Isometry3d map_from_camera = Eigen::Isometry3d::Identity();
   Exposure exposure;
+  float weight = 1;  ///< of its observations
 };
 
 std::string surfelsKey(const Params& params);
+std::string alignmentKey(const Recording& recording, const Params& params);
 std::string depthKey(const Recording& recording, const Params& params);
 std::string colorsKey(const Recording& recording, const Params& params);
 std::string posesKey(const std::vector<CorrectedView>& views);

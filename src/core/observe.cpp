@@ -227,7 +227,7 @@ class Looker {
     const bool edge = visibility == Visibility::kEdge;
     ++(edge ? stats.edge : stats.seen);
     const float distance = point.norm();
-    const float quality = weight(point, normal, radius, distance, margin);
+    const float quality = view_.weight * weight(point, normal, radius, distance, margin);
     best.add(i, {view_.id, distance, edge ? kEdgeWeight * quality : quality}, values_.data(), edge);
     return Unseen::kSeen;
   }

@@ -90,6 +90,7 @@ std::vector<std::string> enumNames(SolverKind) {
 std::vector<std::string> enumNames(AnchorKind) {
   return {"random", "consistent"};
 }
+std::vector<std::string> enumNames(AlignPoses) { return {"none", "cameras", "views"}; }
 
 void ColorizeParams::check() const {
   requireInRange("fill_distance", fill_distance, 0.0, 1e3);
@@ -101,6 +102,7 @@ void Params::check() const {
   record.check();
   surfels.check();
   depth.check();
+  alignment.check();
   observe.check();
   graph.check();
   system.check();

@@ -11,6 +11,7 @@
 namespace cloud_colorizer {
 
 void makeSurfels(Workspace& work, const Callbacks& callbacks);
+void alignViews(Workspace& work, const Callbacks& callbacks);
 void makeDepthImages(Workspace& work, const Callbacks& callbacks);
 void colorChunks(Workspace& work, const Callbacks& callbacks);
 

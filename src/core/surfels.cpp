@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nanoflann.hpp>
+#include <vector>
 
 #include "cloud_colorizer/check.hpp"
 
@@ -35,52 +36,117 @@ struct Columns {
 using Tree =
     nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Columns>, Columns, 3, std::uint32_t>;
 
-struct Neighbourhood {
-  std::vector<std::uint32_t> indices;
-  std::vector<float> squared_distances;  // ascending
+/// Count, sum and sum of squares of points about a centre.
+struct Moments {
+  float count = 0;
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
 
-  explicit Neighbourhood(std::size_t k) : indices(k), squared_distances(k) {}
-  std::size_t size() const { return indices.size(); }
-  float distance(std::size_t i) const { return std::sqrt(squared_distances[i]); }
+  void add(const Eigen::Vector3f& d) {
+    count += 1;
+    sum += d;
+    squares.noalias() += d * d.transpose();
+  }
+  /// Those of another centre, which lies at `d` from this one.
+  void add(const Moments& other, const Eigen::Vector3f& d) {
+    count += other.count;
+    sum += other.sum + other.count * d;
+    const Eigen::Matrix3f cross = other.sum * d.transpose();
+    squares += other.squares + cross + cross.transpose() + other.count * d * d.transpose();
+  }
 };
 
-struct Disc {
+struct Plane {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
-  float radius = 0, offset = 0;
+  float offset = 0;
   bool line = false;
 };
 
-/// Not a plane: a small ball that closes the gap to the nearest few points.
-Disc ballOf(const Neighbourhood& near) {
-  return {Eigen::Vector3f::Zero(), 0.5F * near.distance(near.size() / 3), 0, false};
-}
-
-Disc discOf(PointsRef points, const Eigen::Vector3f& center, const Neighbourhood& near) {
-  Eigen::Vector3f mean = Eigen::Vector3f::Zero();
-  Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
-  for (const std::uint32_t j : near.indices) {
-    const Eigen::Vector3f d = points.col(j) - center;
-    mean += d;
-    squares.noalias() += d * d.transpose();
-  }
-  const auto count = static_cast<float>(near.size());
-  mean /= count;
-  const Eigen::Matrix3f covariance = squares / count - mean * mean.transpose();
+Plane planeOf(const Moments& moments) {
+  Plane plane;
+  const Eigen::Vector3f mean = moments.sum / moments.count;
+  const Eigen::Matrix3f covariance = moments.squares / moments.count - mean * mean.transpose();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
   solver.computeDirect(covariance);
   const Eigen::Vector3f variance = solver.eigenvalues();
-  Disc disc = ballOf(near);
-  if (!(variance[2] > 0)) return disc;  // all the same point
-  disc.line = !(variance[1] > kLine * variance[2]);
+  if (!(variance[2] > 0)) return plane;  // all the same point
+  plane.line = !(variance[1] > kLine * variance[2]);
   const Eigen::Vector3f normal = solver.eigenvectors().col(0);
-  if (disc.line || !(variance[0] < kFlat * variance[1]) || !(std::abs(normal.squaredNorm() - 1) < 1e-3F)) return disc;
-  const float farthest = near.distance(near.size() - 1);
-  disc.normal = normal;
-  // A far outlier among near points must not blow the disc up: the half of the neighbours bounds it too.
-  disc.radius = kClosing / std::sqrt(count) * std::min(farthest, 1.8F * near.distance(near.size() / 2));
-  disc.offset = std::min(disc.radius, std::max(-disc.radius, normal.dot(mean)));
-  return disc;
+  const bool unit = std::abs(normal.squaredNorm() - 1) < 1e-3F;
+  if (plane.line || !unit || !(variance[0] < kFlat * variance[1])) return plane;
+  plane.normal = normal;
+  plane.offset = normal.dot(mean);
+  return plane;
 }
+
+/// The neighbourhoods of all points: k columns of indices, and the distances that radii are made of.
+class Estimator {
+ public:
+  Estimator(PointsRef points, std::size_t k)
+      : points_(points),
+        columns_{points_},
+        tree_(3, columns_, nanoflann::KDTreeSingleIndexAdaptorParams(12)),
+        k_(std::min(k, static_cast<std::size_t>(points.cols()))) {
+    tree_.buildIndex();
+    const auto n = static_cast<std::size_t>(points.cols());
+    moments_.resize(n);
+    neighbors_.resize(n * k_);
+    squared_.resize(k_);
+    spans_.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      std::uint32_t* const near = neighbors_.data() + i * k_;
+      tree_.knnSearch(at(i).data(), k_, near, squared_.data());
+      for (std::size_t j = 0; j < k_; ++j) moments_[i].add(at(near[j]) - at(i));
+      spans_[i] = {std::sqrt(squared_[k_ / 3]), std::sqrt(squared_[k_ / 2]), std::sqrt(squared_[k_ - 1])};
+    }
+  }
+
+  void estimate(std::size_t i, Surfels& out) {
+    // The neighbours' neighbours as well: noise of the normal falls with the square of the neighbourhood.
+    Moments moments;
+    const std::uint32_t* const near = neighbors_.data() + i * k_;
+    for (std::size_t j = 0; j < k_; ++j) moments.add(moments_[near[j]], at(near[j]) - at(i));
+    Plane plane = planeOf(moments);
+    const auto [third, half, whole] = spans_[i];
+    // A far outlier among near points must not blow the disc up: the half of the neighbours bounds it too.
+    float radius = kClosing / std::sqrt(static_cast<float>(k_)) * std::min(whole, 1.8F * half);
+    if (plane.line) plane = planeAcrossLines(i, radius);
+    if (plane.normal.isZero()) radius = 0.5F * third;  // not a plane: a small ball
+    const auto column = static_cast<Eigen::Index>(i);
+    out.normals.col(column) = plane.normal;
+    out.radii[column] = radius;
+    out.offsets[column] = std::min(radius, std::max(-radius, plane.offset));
+  }
+
+ private:
+  Eigen::Vector3f at(std::size_t i) const { return points_.col(static_cast<Eigen::Index>(i)); }
+
+  /// Perhaps one scan line of a surface: with more neighbours the next line takes part. Lines are dense along and
+  /// sparse across, so the radius has to reach to the next line.
+  Plane planeAcrossLines(std::size_t i, float& radius) {
+    const std::size_t many = std::min(4 * k_, static_cast<std::size_t>(points_.cols()));
+    wide_.resize(many);
+    squared_.resize(many);
+    tree_.knnSearch(at(i).data(), many, wide_.data(), squared_.data());
+    Moments moments;
+    for (const std::uint32_t j : wide_) moments.add(at(j) - at(i));
+    const Plane plane = planeOf(moments);
+    if (!plane.normal.isZero()) radius = std::max(radius, 0.5F * std::sqrt(squared_.back()));
+    return plane;
+  }
+
+  struct Spans {
+    float third, half, whole;  // m to the neighbours of these ranks
+  };
+  PointsRef points_;
+  Columns columns_;
+  Tree tree_;
+  std::size_t k_;
+  std::vector<std::uint32_t> neighbors_, wide_;
+  std::vector<float> squared_;
+  std::vector<Moments> moments_;
+  std::vector<Spans> spans_;
+};
 
 }  // namespace
 
@@ -94,32 +160,8 @@ Surfels estimateSurfels(PointsRef points, const SurfelParams& params) {
   Surfels surfels{Eigen::Matrix3Xf::Zero(3, n), Eigen::VectorXf::Zero(n), Eigen::VectorXf::Zero(n)};
   if (n == 0) return surfels;
   require<std::invalid_argument>(points.allFinite(), "surfels: a point is not finite; drop such points first");
-  const Columns columns{points};
-  Tree tree(3, columns, nanoflann::KDTreeSingleIndexAdaptorParams(16));
-  tree.buildIndex();
-  const auto k = static_cast<std::size_t>(params.num_neighbors), available = static_cast<std::size_t>(n);
-  Neighbourhood near(std::min(k, available)), wide(std::min(3 * k, available));
-  const auto find = [&](Eigen::Index i, Neighbourhood& out) {
-    tree.knnSearch(points.col(i).data(), out.size(), out.indices.data(), out.squared_distances.data());
-  };
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Vector3f center = points.col(i);
-    find(i, near);
-    Disc disc = discOf(points, center, near);
-    if (disc.line && wide.size() > near.size()) {
-      // Perhaps one scan line of a surface: with more neighbours the next line takes part.
-      find(i, wide);
-      const Disc wider = discOf(points, center, wide);
-      if (!wider.normal.isZero()) {
-        disc = wider;
-        // Lines are dense along and sparse across, so the count says little: reach to the next line.
-        disc.radius = std::max(disc.radius, 0.5F * wide.distance(wide.size() - 1));
-      }
-    }
-    surfels.normals.col(i) = disc.normal;
-    surfels.radii[i] = disc.radius;
-    surfels.offsets[i] = disc.offset;
-  }
+  Estimator estimator(points, static_cast<std::size_t>(params.num_neighbors));
+  for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) estimator.estimate(i, surfels);
   return surfels;
 }
 

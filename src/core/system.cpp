@@ -10,41 +10,23 @@
 #include <utility>
 
 #include "cloud_colorizer/check.hpp"
+#include "position_hash.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
 using Eigen::Index;
 
-std::uint64_t mixBits(std::uint64_t x) {  // splitmix64
-  x += 0x9e3779b97f4a7c15;
-  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9;
-  x = (x ^ x >> 27) * 0x94d049bb133111eb;
-  return x ^ x >> 31;
-}
-
-/// Uniform in [0, 1), a function of the position alone.
-double positionHash(PointsRef points, Index p) {
-  std::uint64_t hash = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const float coordinate = points(axis, p) + 0.0F;  // -0 becomes +0
-    std::uint32_t bits = 0;
-    std::memcpy(&bits, &coordinate, sizeof bits);
-    hash = mixBits(hash ^ bits);
-  }
-  return static_cast<double>(hash >> 11) * 0x1p-53;
-}
-
 void anchorRandom(PointsRef points, const Fused& fused, double share, Eigen::VectorXf& weights) {
   for (Index p = 0; p < points.cols(); ++p) {
-    if (fused.count(p) > 0 && positionHash(points, p) < share) weights(p) = 1;
+    if (fused.count(p) > 0 && unitHash(points.col(p)) < share) weights(p) = 1;
   }
 }
 
 void anchorConsistent(PointsRef points, const Fused& fused, double share, Eigen::VectorXf& weights) {
   std::vector<std::tuple<float, double, Index>> candidates;
   for (Index p = 0; p < points.cols(); ++p) {
-    if (fused.count(p) >= 2) candidates.emplace_back(fused.stddev(p), positionHash(points, p), p);
+    if (fused.count(p) >= 2) candidates.emplace_back(fused.stddev(p), unitHash(points.col(p)), p);
   }
   const auto wanted = static_cast<std::size_t>(std::llround(share * static_cast<double>(points.cols())));
   const std::size_t num_anchors = std::min(wanted, candidates.size());

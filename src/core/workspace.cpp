@@ -22,7 +22,7 @@ constexpr double kMegabyte = 1e6;
 /// Shares of memory_limit; the rest is for the chunks in work.
 constexpr double kSurfaceShare = 0.15, kImageShare = 0.15, kDepthShare = 0.1;
 
-std::size_t bytesOf(const TileSurface& s) {
+std::size_t bytesOf(const Surface& s) {
   return sizeof(float) *
          static_cast<std::size_t>(s.points.size() + s.surfels.normals.size() + 2 * s.surfels.radii.size());
 }
@@ -103,7 +103,7 @@ Workspace::Workspace(const Recording& recording, const Params& params)
       params_(params),
       surfaces_(
           share(params, kSurfaceShare), [this](std::size_t tile) { return readSurface(tile); },
-          [](const TileSurface& surface) { return bytesOf(surface); }),
+          [](const Surface& surface) { return bytesOf(surface); }),
       images_(
           share(params, kImageShare), [this](std::size_t view) { return recording_.readImage(view); },
           [](const cv::Mat& image) { return bytesOf(image); }),
@@ -116,21 +116,20 @@ Workspace::Workspace(const Recording& recording, const Params& params)
     cv::Mat mask = recording_.readMask(i);
     masks_.push_back(mask.empty() ? nullptr : std::make_shared<const cv::Mat>(std::move(mask)));
   }
-  for (const View& view : recording_.views()) corrections_.push_back({view.map_from_camera, {}});
+  for (const View& view : recording_.views()) corrections_.push_back({view.map_from_camera, {}, 1});
 }
 
-void Workspace::correctViews(std::vector<CorrectedView> corrections) {
-  corrections_ = std::move(corrections);
-}
-
-void Workspace::prepare() const {
+void Workspace::prepareAlignment() const {
   const fs::path base = recording_.directory();
-  const std::string surfels_key = surfelsKey(params_);
-  const std::string depth_key = surfels_key + depthKey(recording_, params_) + posesKey(corrections_);
-  const std::string colors_key = depth_key + colorsKey(recording_, params_) + exposuresKey(corrections_);
-  claimFolder(base / "surfels", surfels_key);
+  claimFolder(base / "surfels", surfelsKey(params_));
+  claimFolder(base / "alignment", alignmentKey(recording_, params_));
+}
+
+void Workspace::prepareColors() const {
+  const fs::path base = recording_.directory();
+  const std::string depth_key = surfelsKey(params_) + depthKey(recording_, params_) + posesKey(corrections_);
   claimFolder(base / "depth", depth_key);
-  claimFolder(base / "colored", colors_key);
+  claimFolder(base / "colored", depth_key + colorsKey(recording_, params_) + exposuresKey(corrections_));
 }
 
 // ---- files -------------------------------------------------------------------------------------------------------
@@ -163,8 +162,8 @@ void Workspace::writeSurfels(std::size_t tile, const Surfels& surfels) const {
   blob.save(tilePath("surfels", tile));
 }
 
-TileSurface Workspace::readSurface(std::size_t tile) const {
-  TileSurface surface;
+Surface Workspace::readSurface(std::size_t tile) const {
+  Surface surface;
   surface.points = recording_.readPoints(tile);
   surface.surfels.normals.resize(3, surface.points.cols());
   surface.surfels.radii.resize(surface.points.cols());
@@ -234,6 +233,43 @@ TileColors Workspace::readColors(std::size_t tile) const {
   return colors;
 }
 
+// ---- corrections of the views -----------------------------------------------------------------------------------
+
+void Workspace::correctViews(std::vector<CorrectedView> corrections) {
+  corrections_ = std::move(corrections);
+  BlobWriter blob;
+  for (const CorrectedView& view : corrections_) {
+    const Eigen::Matrix4d pose = view.map_from_camera.matrix();
+    const std::int32_t sizes[2] = {static_cast<std::int32_t>(view.exposure.gain.size()),
+                                   static_cast<std::int32_t>(view.exposure.offset.size())};
+    blob.add(pose.data(), 16);
+    blob.add(&view.weight, 1);
+    blob.add(sizes, 2);
+    blob.add(view.exposure.gain.data(), static_cast<std::size_t>(sizes[0]));
+    blob.add(view.exposure.offset.data(), static_cast<std::size_t>(sizes[1]));
+  }
+  blob.save(recording_.directory() + "/alignment/views.bin");
+}
+
+bool Workspace::restoreCorrections() {
+  const std::string path = recording_.directory() + "/alignment/views.bin";
+  if (!fs::exists(path)) return false;
+  BlobReader blob(path);
+  for (CorrectedView& view : corrections_) {
+    Eigen::Matrix4d pose;
+    std::int32_t sizes[2] = {0, 0};
+    blob.read(pose.data(), 16);
+    blob.read(&view.weight, 1);
+    blob.read(sizes, 2);
+    view.map_from_camera.matrix() = pose;
+    view.exposure.gain.resize(sizes[0]);
+    view.exposure.offset.resize(sizes[1]);
+    blob.read(view.exposure.gain.data(), static_cast<std::size_t>(sizes[0]));
+    blob.read(view.exposure.offset.data(), static_cast<std::size_t>(sizes[1]));
+  }
+  return true;
+}
+
 // ---- views -------------------------------------------------------------------------------------------------------
 
 ObservedView Workspace::observedView(std::size_t view) {
@@ -243,6 +279,7 @@ ObservedView Workspace::observedView(std::size_t view) {
   observed.camera = &cameras_[camera];
   observed.map_from_camera = corrections_[view].map_from_camera;
   observed.exposure = corrections_[view].exposure;
+  observed.weight = corrections_[view].weight;
   observed.image = images_.get(view);
   observed.mask = masks_[camera];
   observed.depth = depths_.get(view);

@@ -16,14 +16,9 @@
 #include "cloud_colorizer/surfels.hpp"
 #include "fingerprint.hpp"
 #include "lru_cache.hpp"
+#include "surface.hpp"
 
 namespace cloud_colorizer {
-
-/// Points and surfels of one tile.
-struct TileSurface {
-  Points points;
-  Surfels surfels;
-};
 
 /// Colours of one tile, one column a point.
 struct TileColors {
@@ -55,24 +50,31 @@ class Workspace {
   void writeColors(std::size_t tile, const TileColors& colors) const;
   TileColors readColors(std::size_t tile) const;
 
-  std::shared_ptr<const TileSurface> surface(std::size_t tile) { return surfaces_.get(tile); }
+  std::shared_ptr<const Surface> surface(std::size_t tile) { return surfaces_.get(tile); }
   /// Everything that observe() needs of a view.
   ObservedView observedView(std::size_t view);
 
   /// Whether any point of a box can lie in the view: nearer than max_view_distance and inside a cone around its image.
   bool mayObserve(std::size_t view, const Eigen::AlignedBox3f& box) const;
 
-  /// Poses and exposures to use instead of the recording's, one a view.
+  std::shared_ptr<const cv::Mat> image(std::size_t view) { return images_.get(view); }
+  std::shared_ptr<const cv::Mat> mask(std::size_t camera) const { return masks_[camera]; }
+
+  /// Poses and exposures to use instead of the recording's, one a view; kept in a file.
   void correctViews(std::vector<CorrectedView> corrections);
+  /// Takes them from the file of an earlier run with the same recording and parameters; false where there is none.
+  bool restoreCorrections();
   const CorrectedView& corrected(std::size_t view) const { return corrections_[view]; }
 
-  /// Empties folders whose files were made from something else. Call once before writing.
-  void prepare() const;
+  /// Empty the folders whose files were made from something else: surfels and alignment; and, once the poses are what
+  /// they will be, depth and colored.
+  void prepareAlignment() const;
+  void prepareColors() const;
 
  private:
   std::string tilePath(const char* folder, std::size_t tile) const;
   std::string depthPath(std::size_t view) const;
-  TileSurface readSurface(std::size_t tile) const;
+  Surface readSurface(std::size_t tile) const;
   DepthImage readDepth(std::size_t view) const;
 
   Recording recording_;
@@ -81,7 +83,7 @@ class Workspace {
   std::vector<double> cone_angles_;         ///< rad, one a camera: between its axis and the farthest image corner
   std::vector<CorrectedView> corrections_;  ///< one a view
   std::vector<std::shared_ptr<const cv::Mat>> masks_;
-  LruCache<TileSurface> surfaces_;
+  LruCache<Surface> surfaces_;
   LruCache<cv::Mat> images_;
   LruCache<DepthImage> depths_;
 };

@@ -74,7 +74,7 @@ Intrinsics intrinsicsOf(const Options& options, DistortionModel model) {
     case DistortionModel::kRationalPolynomial:
       k.fx = 0.575 * w;
       k.fy = 0.574 * w;
-      k.distortion = {0.31, 0.02, -0.0005, 0.0003, 0.001, 0.58, 0.09, 0.006};
+      k.distortion = {0.31, 0.02, -0.0005, 0.0003, 0.001, 0.5, 0.06, 0.003};
       break;
     case DistortionModel::kEquidistant:
       k.fx = 0.39 * w;

@@ -98,7 +98,7 @@ Color window(const Color& wall_color, const Material& m, const Layout& l, float 
   Color color = wall_color;
   color = blend(color, m.accent, insideRect(u, v, -0.14F, -0.14F, w + 0.14F, 0, fp));
   color = blend(color, m.accent * 0.92F, insideRect(u, v, -0.1F, h, w + 0.1F, h + 0.18F, fp));
-  color = blend(color, Color(222, 220, 212), insideRect(u, v, 0, 0, w, h, fp));
+  color = blend(color, Color(206, 204, 198), insideRect(u, v, 0, 0, w, h, fp));
   const float pane = insideRect(u, v, kFrame, kFrame, w - kFrame, h - kFrame, fp) *
                      (1 - inside(u, w / 2 - 0.035F, w / 2 + 0.035F, fp)) *
                      (1 - inside(v, 0.62F * h, 0.62F * h + 0.06F, fp));
@@ -137,10 +137,10 @@ Color shopSign(const Color& under, const FacePoint& p, std::uint32_t key) {
   static const std::array<const char*, 12> kWords = {"BAKERY", "BOOKS", "CAFE",  "HOTEL",    "CINEMA", "FLOWERS",
                                                      "BIKES",  "PIZZA", "MUSIC", "PHARMACY", "OPTIK",  "MUSEUM"};
   static const std::array<Color, 6> kPlates = {Color(176, 34, 38), Color(28, 74, 138),   Color(232, 196, 64),
-                                               Color(30, 110, 72), Color(236, 232, 222), Color(52, 46, 54)};
+                                               Color(30, 110, 72), Color(208, 204, 194), Color(52, 46, 54)};
   const char* word = kWords[key % kWords.size()];
   const Color plate = kPlates[(key / 16) % kPlates.size()];
-  const Color ink = plate.mean() > 140 ? Color(36, 32, 40) : Color(240, 236, 220);
+  const Color ink = plate.mean() > 140 ? Color(36, 32, 40) : Color(212, 208, 194);
   const float letters = std::min(0.52F, (p.width - 1) / (letteringWidth(word, 1) + 0.3F));
   const float text = letteringWidth(word, letters);
   const float half = text / 2 + 0.35F;

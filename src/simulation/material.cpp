@@ -19,15 +19,16 @@ Color asphalt(const Material& m, const FacePoint& p) {
   // Wheels polish two tracks in each lane.
   const float in_lane = std::abs(std::abs(y) - 1.5F);
   tone += 0.07F * clamp01(1 - std::abs(in_lane - 0.75F) / 0.35F);
-  Color color = Color(92, 91, 93) * tone;
+  Color color = Color(116, 114, 114) * tone;
   // Repaired patches.
   const float cell = std::floor(x / 9);
   const float px = x - 9 * cell - 5 * cellRandom(static_cast<int>(cell), 1, m.seed);
   const float py = y - (cellRandom(static_cast<int>(cell), 2, m.seed) * 6 - 4);
-  color = blend(color, Color(66, 66, 70) * tone, insideRect(px, py, 0, 0, 2.6F, 1.2F, fp));
-  // Cracks along the zero line of a noise.
-  const float crack = std::abs(fadedNoise(x, y, 1.9F, m.seed + 7, fp));
-  return color * (1 - 0.3F * clamp01(1 - crack / 0.03F));
+  color = blend(color, Color(92, 92, 95) * tone, insideRect(px, py, 0, 0, 2.6F, 1.2F, fp));
+  // Cracks along the zero line of a noise, in some places only.
+  const float crack = std::abs(fadedNoise(x, y, 0.8F, m.seed + 7, fp));
+  const float place = clamp01(3 * fadedNoise(x, y, 3.1F, m.seed + 8, fp) - 0.6F);
+  return color * (1 - 0.35F * place * clamp01(1 - crack / 0.05F));
 }
 
 Color manhole(const Color& under, const FacePoint& p, std::uint32_t seed) {
@@ -115,16 +116,16 @@ Color carBody(const Material& m, const FacePoint& p) {
 
 /// Glass all around, pillars and roof in the car's paint.
 Color carCabin(const Material& m, const FacePoint& p) {
-  if (p.normal.z() > 0.8F) return m.color;
+  if (p.normal.z() > 0.95F || std::abs(p.normal.x()) + std::abs(p.normal.y()) < 0.5F) return m.color;
   const float fp = p.footprint;
-  const Color pane = blend(Color(34, 40, 48), Color(124, 142, 158), clamp01(p.v / p.height));
+  const Color pane = blend(Color(34, 40, 48), Color(124, 142, 158), clamp01(p.local.z() / 0.7F));
   if (std::abs(p.normal.y()) > 0.7F) {
     const float lean = 0.62F * p.v;
     float share = inside(p.v, 0.05F, p.height - 0.09F, fp) * inside(p.u, 0.14F + lean, p.width - 0.14F - lean, fp);
     share *= 1 - inside(p.u, 0.5F * p.width - 0.04F, 0.5F * p.width + 0.04F, fp);
     return blend(m.color, pane, share);
   }
-  return blend(m.color, pane, insideRect(p.u, p.v, 0.08F, 0.04F, p.width - 0.08F, p.height - 0.06F, fp));
+  return blend(m.color, pane, insideRect(p.local.y(), p.local.z(), -0.68F, 0.04F, 0.68F, 0.49F, fp));
 }
 
 Color wheel(const FacePoint& p) {
@@ -146,10 +147,13 @@ Color sign(const Material& m, const FacePoint& p) {
 }
 
 Color leaves(const Material& m, const FacePoint& p) {
-  // Noise over two planes: no seam, no pole.
-  const float coarse = fadedNoise(p.local.x() + p.local.z(), p.local.y(), 0.35F, m.seed, p.footprint);
-  const float fine = fadedNoise(p.local.x(), p.local.y() - p.local.z(), 0.12F, m.seed + 1, p.footprint);
-  return m.color * (1 + 0.28F * coarse + 0.2F * fine);
+  // Noise over all three planes: no seam, no pole.
+  const auto noise = [&](float feature, std::uint32_t seed) {
+    return fadedNoise(p.local.x(), p.local.y(), feature, seed, p.footprint) +
+           fadedNoise(p.local.y(), p.local.z(), feature, seed + 1, p.footprint) +
+           fadedNoise(p.local.z(), p.local.x(), feature, seed + 2, p.footprint);
+  };
+  return m.color * (1 + 0.2F * noise(0.31F, m.seed) + 0.2F * noise(0.1F, m.seed + 3));
 }
 
 Color bands(const Material& m, const FacePoint& p) {
@@ -160,7 +164,7 @@ Color bands(const Material& m, const FacePoint& p) {
 
 Color groundAlbedo(const Material& m, const FacePoint& p) {
   if (std::abs(p.local.y()) > kRoadHalfWidth + 0.5F) return yard(p);
-  return blend(manhole(asphalt(m, p), p, m.seed), Color(226, 224, 214), markings(p));
+  return blend(manhole(asphalt(m, p), p, m.seed), Color(206, 204, 196), markings(p));
 }
 
 Color albedo(const Material& m, const FacePoint& p) {

@@ -151,7 +151,7 @@ bool Scene::isBlocked(const Eigen::Vector3d& from, const Eigen::Vector3d& to, do
   return false;
 }
 
-bool Scene::isBuried(const Eigen::Vector3d& point, int except) const {
+int Scene::buriedIn(const Eigen::Vector3d& point, int except) const {
   constexpr double kDepth = 1e-3;  // m; solids that only touch do not bury each other's faces
   std::array<int, kStackSize> stack;
   std::size_t size = 0;
@@ -162,13 +162,30 @@ bool Scene::isBuried(const Eigen::Vector3d& point, int except) const {
     if (!node.box.contains(point)) continue;
     for (int i = 0; i < node.count; ++i) {
       const int solid = order_[static_cast<std::size_t>(node.first + i)];
-      if (solid != except && solids_[static_cast<std::size_t>(solid)].closest(point, 0).distance < -kDepth) return true;
+      if (solid != except && solids_[static_cast<std::size_t>(solid)].closest(point, 0).distance < -kDepth)
+        return solid;
     }
     if (node.count > 0) continue;
     stack[size++] = node.first;
     stack[size++] = index + 1;
   }
-  return false;
+  return -1;
+}
+
+std::optional<Hit> Scene::surfaceNear(const Eigen::Vector3d& point, int solid, LocalHit local) const {
+  // From a buried place on to the nearest face of the solid around it, and so on: this ends in the crease of the two.
+  constexpr int kMaxSteps = 30;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    Hit hit = completeHit(solid, local, 0);
+    const int around = buriedIn(hit.point, solid);
+    if (around < 0) {
+      hit.distance = (hit.point - point).norm();
+      return hit;
+    }
+    solid = around;
+    local = solids_[static_cast<std::size_t>(solid)].closest(hit.point, 0);
+  }
+  return std::nullopt;
 }
 
 std::optional<Hit> Scene::closestPoint(const Eigen::Vector3d& point, double max_distance) const {
@@ -194,11 +211,16 @@ std::optional<Hit> Scene::closestPoint(const Eigen::Vector3d& point, double max_
     const double db = std::abs(b.second.distance);
     return da < db || (da == db && a.first < b.first);
   });
+  std::optional<Hit> best;
+  double limit = max_distance;
   for (const auto& [solid, local] : found) {
-    const Hit hit = completeHit(solid, local, 0);
-    if (!isBuried(hit.point, solid)) return hit;
+    if (std::abs(local.distance) > limit) break;
+    const auto hit = surfaceNear(point, solid, local);
+    if (!hit || hit->distance > limit) continue;
+    best = hit;
+    limit = std::nextafter(hit->distance, 0.0);
   }
-  return std::nullopt;
+  return best;
 }
 
 void Scene::buildShadows(int num_threads) {
@@ -223,6 +245,7 @@ void Scene::buildShadows(int num_threads) {
     for (int column = 0; column < shadows_.width; ++column) {
       const Eigen::Vector3d start(shadows_.corner.x() + column * shadows_.cell,
                                   shadows_.corner.y() + static_cast<double>(row) * shadows_.cell, top);
+      // Long ago, when all that moves was far away: only what stands throws shadows.
       const auto hit = castRay(shadows_.sun_from_map.transpose() * start, -lighting_.to_sun, -1e9);
       const double highest = hit ? top - hit->distance : box.min().z();
       shadows_.highest[row * static_cast<std::size_t>(shadows_.width) + static_cast<std::size_t>(column)] =
@@ -236,19 +259,28 @@ float Scene::sunlit(const Eigen::Vector3d& point, const Eigen::Vector3d& normal)
   const double cosine = std::max(0.1, normal.dot(lighting_.to_sun));
   const double slope = std::sqrt(1 - std::min(1.0, cosine * cosine)) / cosine;
   const Eigen::Vector3d p = shadows_.sun_from_map * (point + 0.02 * normal);
-  const double bias = 0.03 + shadows_.cell * std::min(slope, 8.0);
+  const double bias = 0.03 + 1.5 * shadows_.cell * std::min(slope, 8.0);
   const double column = (p.x() - shadows_.corner.x()) / shadows_.cell;
   const double row = (p.y() - shadows_.corner.y()) / shadows_.cell;
   const int i = static_cast<int>(std::floor(column));
   const int j = static_cast<int>(std::floor(row));
-  if (i < 0 || j < 0 || i + 1 >= shadows_.width || j + 1 >= shadows_.height) return 1;
-  const float* cell = &shadows_.highest[static_cast<std::size_t>(j) * static_cast<std::size_t>(shadows_.width) +
-                                        static_cast<std::size_t>(i)];
-  const auto lit = [&](const float* at) { return p.z() + bias >= static_cast<double>(*at) ? 1.0 : 0.0; };
+  if (i < 1 || j < 1 || i + 2 >= shadows_.width || j + 2 >= shadows_.height) return 1;
+  // A box of 3 x 3 cells around the point, so that shadows have soft edges and no steps.
   const double a = column - i;
   const double b = row - j;
-  return static_cast<float>((lit(cell) * (1 - a) + lit(cell + 1) * a) * (1 - b) +
-                            (lit(cell + shadows_.width) * (1 - a) + lit(cell + shadows_.width + 1) * a) * b);
+  const std::array<double, 4> weights_x = {1 - a, 1, 1, a};
+  const std::array<double, 4> weights_y = {1 - b, 1, 1, b};
+  double lit = 0;
+  for (int y = 0; y < 4; ++y) {
+    const float* cells =
+        &shadows_.highest[static_cast<std::size_t>(j - 1 + y) * static_cast<std::size_t>(shadows_.width) +
+                          static_cast<std::size_t>(i - 1)];
+    for (int x = 0; x < 4; ++x) {
+      const bool is_lit = p.z() + bias >= static_cast<double>(cells[x]);
+      if (is_lit) lit += weights_x[static_cast<std::size_t>(x)] * weights_y[static_cast<std::size_t>(y)];
+    }
+  }
+  return static_cast<float>(lit / 9);
 }
 
 Color Scene::trueColor(const Hit& hit, float footprint) const {

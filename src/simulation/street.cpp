@@ -138,9 +138,9 @@ void StreetBuilder::addHouses(int side) {
 
 void StreetBuilder::addHouse(int side, double x0, double x1, std::uint64_t house) {
   static const std::array<Color, 10> kWalls = {
-      Color(168, 92, 70), Color(206, 186, 150), Color(186, 120, 88),  Color(150, 164, 176), Color(214, 200, 128),
-      Color(142, 72, 58), Color(176, 196, 168), Color(212, 208, 198), Color(204, 150, 118), Color(158, 138, 150)};
-  static const std::array<Color, 4> kTrims = {Color(214, 208, 194), Color(190, 180, 164), Color(222, 218, 210),
+      Color(168, 92, 70), Color(206, 186, 150), Color(186, 120, 88),  Color(150, 164, 176), Color(208, 190, 118),
+      Color(142, 72, 58), Color(176, 196, 168), Color(200, 196, 188), Color(204, 150, 118), Color(158, 138, 150)};
+  static const std::array<Color, 4> kTrims = {Color(214, 208, 194), Color(190, 180, 164), Color(206, 202, 194),
                                               Color(150, 142, 134)};
   next();
   Material wall = materialOf(Pattern::kFacade, pick(kWalls, keyOf(house, 4)), keyOf(house, 5), 0.45F);
@@ -213,9 +213,9 @@ void StreetBuilder::addParkedCars(int side) {
 
 void StreetBuilder::addCar(const Eigen::Vector3d& foot, double yaw, std::uint64_t car,
                            const Eigen::Vector3d& velocity) {
-  static const std::array<Color, 9> kPaints = {Color(176, 30, 34),   Color(34, 66, 128),  Color(206, 206, 210),
+  static const std::array<Color, 9> kPaints = {Color(176, 30, 34),   Color(34, 66, 128),  Color(190, 190, 194),
                                                Color(58, 60, 66),    Color(226, 186, 58), Color(44, 104, 84),
-                                               Color(150, 156, 164), Color(214, 118, 48), Color(230, 228, 222)};
+                                               Color(150, 156, 164), Color(214, 118, 48), Color(200, 198, 192)};
   next();
   const Eigen::Isometry3d map_from_car = Eigen::Translation3d(foot) * Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ());
   const bool is_van = uniform(keyOf(car, 5)) < 0.2;
@@ -298,14 +298,14 @@ void StreetBuilder::addTree(const Eigen::Vector3d& foot, std::uint64_t tree) {
   next();
   const double height = uniform(keyOf(tree, 3), 2.4, 3.2);
   add(uprightCylinder(foot, 0.14, height, materialOf(Pattern::kBark, Color(104, 84, 66), tree, 0.4F), object_));
-  for (int i = 0; i < 7; ++i) {
+  for (int i = 0; i < 14; ++i) {
     Primitive crown;
     crown.shape = Shape::kSphere;
-    crown.radius = uniform(keyOf(tree, 4, i), 0.5, 0.95);
+    crown.radius = uniform(keyOf(tree, 4, i), 0.35, 0.75);
     const double angle = 0.9 * i + uniform(keyOf(tree, 5));
-    const double out = i == 0 ? 0 : uniform(keyOf(tree, 6, i), 0.4, 0.9);
+    const double out = i == 0 ? 0 : uniform(keyOf(tree, 6, i), 0.35, 1.0);
     crown.map_from_local.translation() = foot + Eigen::Vector3d(out * std::cos(angle), out * std::sin(angle),
-                                                                height + uniform(keyOf(tree, 7, i), 0.1, 1.3));
+                                                                height + uniform(keyOf(tree, 7, i), 0.1, 1.7));
     crown.material = materialOf(Pattern::kLeaves, pick(kGreens, keyOf(tree, 8)), keyOf(tree, i), 0.7F);
     crown.object = object_;
     add(crown);

@@ -16,7 +16,8 @@ std::vector<Exposure> estimateExposures(const AlignmentInput& input, const Track
                                         double sigma, double max_gain);
 
 /// Relative sharpness of every view, 0.1 to 1: how strong its gradients are (per metre on the surface) beside those
-/// of other views of the same points; 1 for the median view and better ones, its square as a weight.
-std::vector<float> sharpnessWeights(const AlignmentInput& input, const Tracks& tracks, const PoseState& state);
+/// of other views of the same points, after the gains; 1 for the median view and better ones, its square as a weight.
+std::vector<float> sharpnessWeights(const AlignmentInput& input, const Tracks& tracks, const PoseState& state,
+                                    const std::vector<Exposure>& exposures);
 
 }  // namespace cloud_colorizer::alignment

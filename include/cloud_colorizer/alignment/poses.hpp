@@ -65,6 +65,10 @@ struct StateCost {
 };
 StateCost stateCost(const PoseData& data, const PoseState& state, const StateCost& like, int num_threads);
 
+/// Tries time offsets that all cameras share, within +-4 of their priors' sigma, and returns the best, s; 0 when
+/// nothing moves. The capture range of Gauss-Newton is some pixels; a clock can be off by much more.
+double searchTimeOffset(const PoseData& data, const PosePriors& priors, const PoseState& state, int num_threads);
+
 /// Grey level of every observation, without gain; weight 0 where there is none.
 struct GreyValues {
   std::vector<float> values, weights;

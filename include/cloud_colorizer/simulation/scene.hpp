@@ -17,9 +17,9 @@ namespace cloud_colorizer::simulation {
 /// Fixed light; it does not depend on the viewer, so a surface point has one true colour.
 struct Lighting {
   Eigen::Vector3d to_sun = Eigen::Vector3d(-0.35, -0.62, 0.8).normalized();
-  Color sun{0.46F, 0.44F, 0.4F};  ///< share of the albedo that a face turned to the sun gains
-  Color sky{0.5F, 0.52F, 0.56F};  ///< share that every face gets
-  double shadow_cell = 0.06;      ///< m, of the map of the sun's shadows; 0: no shadows
+  Color sun{0.44F, 0.42F, 0.38F};  ///< share of the albedo that a face turned to the sun gains
+  Color sky{0.62F, 0.63F, 0.66F};  ///< share that every face gets
+  double shadow_cell = 0.06;       ///< m, of the map of the sun's shadows; 0: no shadows
 };
 
 struct Hit {
@@ -71,7 +71,8 @@ class Scene {
   };
 
   int build(int first, int count);
-  bool isBuried(const Eigen::Vector3d& point, int except) const;
+  int buriedIn(const Eigen::Vector3d& point, int except) const;  ///< index of a solid around it, or -1
+  std::optional<Hit> surfaceNear(const Eigen::Vector3d& point, int solid, LocalHit local) const;
   void buildShadows(int num_threads);
   float sunlit(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
 

@@ -15,7 +15,7 @@ namespace cloud_colorizer::simulation {
 /// Bearings of all pixels of a camera; made once, used for every image of it.
 class PixelRays {
  public:
-  explicit PixelRays(const Camera& camera);
+  explicit PixelRays(const Camera& camera, int num_threads = 0);
   int width() const { return width_; }
   int height() const { return height_; }
 

@@ -1,0 +1,364 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "cloud_colorizer/ros/collector.hpp"
+
+#include <boost/make_shared.hpp>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+
+#include "ros/messages.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+using testing_ros::encoded;
+using testing_ros::imageMessage;
+using testing_ros::infoMessage;
+using testing_ros::PointWriter;
+using testing_ros::transformMessage;
+
+/// A vehicle that drives along x with 1 m/s; frames map -> base (moving) -> lidar, camera (fixed).
+class CollectorTest : public testing::Test {
+ protected:
+  CollectorTest() {
+    char name[] = "/tmp/collector_test_XXXXXX";
+    directory_ = mkdtemp(name);
+    params_.tf_wait = 1;
+    params_.record.voxel_size = 0;
+    params_.record.min_range = 0;
+    params_.record.keyframe_distance = 0.5;
+  }
+  ~CollectorTest() override {
+    collector_.reset();
+    recorder_.reset();
+    std::filesystem::remove_all(directory_);
+  }
+
+  Collector& collector() {
+    if (!collector_) {
+      recorder_ = std::make_unique<Recorder>(directory_ + "/recording", "map", params_.record);
+      CollectorEvents events;
+      events.log = [this](LogLevel, const std::string& text) { log_.push_back(text); };
+      collector_ = std::make_unique<Collector>(*recorder_, params_, events);
+      tf2_msgs::TFMessage fixed = transformMessage("base", "lidar", 0, 0, 0, 2);
+      fixed.transforms.push_back(transformMessage("base", "camera", 0, 0, 1, 0).transforms[0]);
+      collector_->addTransforms(fixed, true);
+    }
+    return *collector_;
+  }
+
+  void drive(double from, double to) {
+    for (double t = from; t <= to + 1e-9; t += 0.1)
+      collector().addTransforms(transformMessage("map", "base", t, t), false);
+  }
+
+  void addCloud(double stamp, const std::string& frame = "lidar") {
+    auto cloud = PointWriter().field("x", 7).field("y", 7).field("z", 7).done(1, 1);
+    const float position[3] = {1, 2, 3};
+    std::memcpy(cloud.data.data(), position, 12);
+    cloud.header.stamp.fromSec(stamp);
+    cloud.header.frame_id = frame;
+    collector().addCloud(boost::make_shared<sensor_msgs::PointCloud2>(cloud));
+    collector().process();
+  }
+
+  void addInfo(std::size_t camera = 0, std::uint32_t width = 8) {
+    collector().addCameraInfo(camera, boost::make_shared<sensor_msgs::CameraInfo>(infoMessage(width, 6)));
+  }
+
+  void addImage(double stamp, sensor_msgs::Image image = imageMessage("mono8", 8, 6, {1, 2}), std::size_t camera = 0) {
+    image.header.stamp.fromSec(stamp);
+    image.header.frame_id = "/camera";  // old drivers write a slash
+    collector().addImage(camera, boost::make_shared<sensor_msgs::Image>(image));
+    collector().process();
+  }
+
+  void addCompressed(double stamp, sensor_msgs::CompressedImage image) {
+    image.header.stamp.fromSec(stamp);
+    image.header.frame_id = "camera";
+    collector().addImage(0, boost::make_shared<sensor_msgs::CompressedImage>(image));
+    collector().process();
+  }
+
+  Recording finished() {
+    collector().finish();
+    return recorder_->snapshot();
+  }
+
+  std::size_t cloudCount(Outcome outcome) { return collector().stats().cloud.count(outcome); }
+  std::size_t imageCount(Outcome outcome) { return collector().stats().cameras[0].count(outcome); }
+  bool logged(const std::string& text) const {
+    for (const std::string& line : log_) {
+      if (line.find(text) != std::string::npos) return true;
+    }
+    return false;
+  }
+
+  std::string directory_;
+  CollectorParams params_;
+  std::unique_ptr<Recorder> recorder_;
+  std::unique_ptr<Collector> collector_;
+  std::vector<std::string> log_;
+};
+
+TEST_F(CollectorTest, NothingReceivedGivesAnEmptyRecording) {
+  const Recording recording = finished();
+  EXPECT_EQ(recording.numPoints(), 0U);
+  EXPECT_TRUE(recording.views().empty());
+}
+
+TEST_F(CollectorTest, CloudIsPlacedByTheTransformAtItsExactStamp) {
+  drive(10, 11);
+  addCloud(10.35);
+  const Recording recording = finished();
+  ASSERT_EQ(recording.numPoints(), 1U);
+  const Eigen::Vector3f expected(11.35F, 2, 5);
+  EXPECT_LT((recording.readPoints(0).col(0) - expected).norm(), 1e-4F);
+}
+
+TEST_F(CollectorTest, LateTransformIsWaitedFor) {
+  drive(10, 10.2);
+  addCloud(10.35);
+  EXPECT_EQ(collector().numPending(), 1U);
+  drive(10.3, 10.4);
+  collector().process();
+  EXPECT_EQ(collector().numPending(), 0U);
+  EXPECT_EQ(cloudCount(Outcome::kKept), 1U);
+  EXPECT_TRUE(log_.empty());
+}
+
+TEST_F(CollectorTest, MissingTransformIsNeverExtrapolated) {
+  drive(10, 10.2);
+  addCloud(10.35);
+  addCloud(11.3);
+  EXPECT_EQ(cloudCount(Outcome::kNoTransform), 0U);
+  addCloud(11.4);  // more than tf_wait after the first
+  EXPECT_EQ(cloudCount(Outcome::kNoTransform), 1U);
+  EXPECT_TRUE(logged("extrapolation"));
+  EXPECT_EQ(finished().numPoints(), 0U);
+  EXPECT_EQ(cloudCount(Outcome::kNoTransform), 3U);
+}
+
+TEST_F(CollectorTest, FrameOfAnotherMapIsNamed) {
+  drive(10, 12);
+  collector().addTransforms(transformMessage("other_map", "other_lidar", 0, 0), true);
+  addCloud(10.5, "other_lidar");
+  finished();
+  EXPECT_EQ(cloudCount(Outcome::kNoTransform), 1U);
+  EXPECT_TRUE(logged("not part of the same tree"));
+  EXPECT_TRUE(logged("~map_frame"));
+}
+
+TEST_F(CollectorTest, RangesAreMeasuredFromTheSensorFrame) {
+  params_.sensor_frame = "lidar";
+  params_.record.max_range = 5;
+  drive(10, 12);
+  addCloud(10, "map");  // the point (1, 2, 3) of the map is 9.3 m from the lidar at (10, 0, 2)
+  EXPECT_EQ(collector().stats().points.too_far, 1U);
+}
+
+TEST_F(CollectorTest, WarningsDoNotStorm) {
+  addCloud(10);
+  for (int i = 1; i < 200; ++i) addCloud(10 + 0.1 * i);
+  finished();
+  EXPECT_EQ(cloudCount(Outcome::kNoTransform), 200U);
+  EXPECT_LE(log_.size(), 2U);
+}
+
+TEST_F(CollectorTest, StampOfZeroAndEmptyFrameAreRefused) {
+  drive(10, 11);
+  addCloud(0);
+  EXPECT_EQ(cloudCount(Outcome::kNoStamp), 1U);
+  addCloud(10.5, "");
+  EXPECT_EQ(cloudCount(Outcome::kMalformed), 1U);
+  EXPECT_TRUE(logged("frame_id is empty"));
+}
+
+TEST_F(CollectorTest, MalformedCloudIsCountedAndTheNextIsKept) {
+  drive(10, 11);
+  auto cloud = PointWriter().field("x", 7).field("y", 7).done(1, 1);
+  cloud.header.stamp.fromSec(10.1);
+  cloud.header.frame_id = "lidar";
+  collector().addCloud(boost::make_shared<sensor_msgs::PointCloud2>(cloud));
+  addCloud(10.2);
+  EXPECT_EQ(cloudCount(Outcome::kMalformed), 1U);
+  EXPECT_EQ(cloudCount(Outcome::kKept), 1U);
+  EXPECT_TRUE(logged("no field z"));
+}
+
+TEST_F(CollectorTest, ViewsAreKeptEveryKeyframeDistance) {
+  drive(10, 12);
+  addInfo();
+  for (int i = 0; i <= 20; ++i) addImage(10 + 0.1 * i);
+  const Recording recording = finished();
+  EXPECT_EQ(imageCount(Outcome::kKept), recording.views().size());
+  EXPECT_EQ(imageCount(Outcome::kKept) + imageCount(Outcome::kNotKeyframe), 21U);
+  ASSERT_GE(recording.views().size(), 4U);
+  ASSERT_LE(recording.views().size(), 5U);
+  EXPECT_LT((recording.views()[0].map_from_camera.translation() - Eigen::Vector3d(10, 1, 0)).norm(), 1e-6);
+  EXPECT_EQ(recording.readImage(1).size(), cv::Size(8, 6));
+}
+
+TEST_F(CollectorTest, TimeOffsetMovesThePose) {
+  params_.cameras[0].time_offset = 0.25;
+  drive(10, 11);
+  addInfo();
+  addImage(10.5);
+  const Recording recording = finished();
+  ASSERT_EQ(recording.views().size(), 1U);
+  EXPECT_NEAR(recording.views()[0].map_from_camera.translation().x(), 10.75, 1e-6);
+  EXPECT_NEAR(recording.views()[0].stamp, 10.75, 1e-6);
+}
+
+TEST_F(CollectorTest, CompressedBytesAreKeptAsReceived) {
+  drive(10, 11);
+  addInfo();
+  const auto image = encoded(cv::Mat(6, 8, CV_8UC3, cv::Scalar(1, 2, 3)), "jpg");
+  addCompressed(10.5, image);
+  const Recording recording = finished();
+  ASSERT_EQ(recording.views().size(), 1U);
+  const std::string file = recording.directory() + "/" + recording.views()[0].image;
+  EXPECT_EQ(std::filesystem::file_size(file), image.data.size());
+  EXPECT_EQ(file.substr(file.size() - 4), ".jpg");
+}
+
+TEST_F(CollectorTest, BadImagesAreRefusedByReason) {
+  drive(10, 13);
+  addImage(10);
+  EXPECT_EQ(collector().numPending(), 1U);  // camera_info may still come
+  addInfo(0, 9);
+  collector().process();
+  EXPECT_EQ(imageCount(Outcome::kSizeMismatch), 1U);
+  EXPECT_TRUE(logged("8 x 6"));
+  addInfo(0, 8);
+  addImage(10.1, imageMessage("jpegxl", 8, 6, {1, 2}));
+  auto truncated = encoded(cv::Mat(6, 8, CV_8UC3, cv::Scalar(1, 2, 3)), "jpg");
+  truncated.data.resize(truncated.data.size() / 2);
+  addCompressed(10.2, truncated);
+  EXPECT_EQ(imageCount(Outcome::kUndecodable), 2U);
+  addImage(10.3);
+  EXPECT_EQ(imageCount(Outcome::kKept), 1U);
+}
+
+TEST_F(CollectorTest, ImageWithoutCameraInfoIsGivenUp) {
+  drive(10, 13);
+  addImage(10);
+  finished();
+  EXPECT_EQ(imageCount(Outcome::kNoCameraInfo), 1U);
+  EXPECT_TRUE(logged("no camera_info"));
+}
+
+TEST_F(CollectorTest, UncalibratedCameraIsRefusedWithTheReason) {
+  drive(10, 13);
+  sensor_msgs::CameraInfo info = infoMessage(8, 6);
+  info.K.fill(0);
+  collector().addCameraInfo(0, boost::make_shared<sensor_msgs::CameraInfo>(info));
+  addImage(10);
+  EXPECT_EQ(imageCount(Outcome::kBadCameraInfo), 1U);
+  EXPECT_TRUE(logged("uncalibrated"));
+}
+
+TEST_F(CollectorTest, MaskOfAnotherSizeIsNotIgnored) {
+  params_.cameras[0].mask = directory_ + "/mask.png";
+  cv::imwrite(params_.cameras[0].mask, cv::Mat(5, 5, CV_8UC1, cv::Scalar(255)));
+  drive(10, 13);
+  addInfo();
+  addImage(10);
+  EXPECT_EQ(imageCount(Outcome::kBadCameraInfo), 1U);
+  EXPECT_TRUE(logged("mask"));
+}
+
+TEST_F(CollectorTest, MissingMaskIsAnError) {
+  params_.cameras[0].mask = directory_ + "/no_such_mask.png";
+  EXPECT_THROW(collector(), std::runtime_error);
+}
+
+TEST_F(CollectorTest, LoopedBagIsRecordedFurther) {
+  addInfo();
+  for (int loop = 0; loop < 2; ++loop) {
+    for (int i = 0; i <= 50; ++i) {
+      const double t = 100 + 0.1 * i;
+      collector().addTransforms(transformMessage("map", "base", t, t), false);
+      addCloud(t);
+    }
+  }
+  const Recording recording = finished();
+  EXPECT_EQ(collector().stats().time_jumps, 1U);
+  EXPECT_TRUE(logged("time jumped back"));
+  EXPECT_EQ(cloudCount(Outcome::kKept), 102U);
+  EXPECT_EQ(recording.numPoints(), 102U);
+}
+
+TEST_F(CollectorTest, ContinuedRecordingDoesNotKeepTheSameViewAgain) {
+  drive(10, 11);
+  addInfo();
+  addImage(10);
+  finished();
+  collector_.reset();
+  recorder_.reset();
+  drive(10, 11);
+  addInfo();
+  addImage(10.1);
+  EXPECT_EQ(finished().views().size(), 1U);
+  EXPECT_EQ(imageCount(Outcome::kNotKeyframe), 1U);
+}
+
+TEST_F(CollectorTest, AnotherRecordingBeginsWithItsOwnViewsAndCounters) {
+  drive(10, 11);
+  addInfo();
+  addImage(10);
+  finished();
+  Recorder other(directory_ + "/other", "map", params_.record);
+  collector().useRecorder(other);
+  EXPECT_EQ(collector().stats().cameras[0].received, 0U);
+  addImage(10.1);
+  collector().finish();
+  EXPECT_EQ(other.numViews(), 1U);
+  collector_.reset();
+}
+
+/// The order in which messages of different topics arrive must not change the recording.
+TEST_F(CollectorTest, LateTransformsGiveTheSameRecordingAsEarlyOnes) {
+  params_.encode_threads = 3;
+  addInfo();
+  for (int i = 0; i <= 9; ++i) addImage(10 + 0.1 * i);
+  for (int i = 0; i <= 9; ++i) addCloud(10 + 0.1 * i);
+  drive(10, 11);
+  const Recording late = finished();
+  collector_.reset();
+  recorder_.reset();
+  std::filesystem::rename(directory_ + "/recording", directory_ + "/late");
+  drive(10, 11);
+  addInfo();
+  for (int i = 0; i <= 9; ++i) {
+    addCloud(10 + 0.1 * i);
+    addImage(10 + 0.1 * i);
+  }
+  const Recording early = finished();
+  ASSERT_EQ(early.views().size(), late.views().size());
+  for (std::size_t i = 0; i < early.views().size(); ++i) {
+    EXPECT_EQ(early.views()[i].stamp, late.views()[i].stamp);
+    EXPECT_TRUE(early.views()[i].map_from_camera.isApprox(late.views()[i].map_from_camera));
+  }
+  EXPECT_EQ(early.numPoints(), late.numPoints());
+}
+
+TEST(CollectorParams, OutOfRangeIsRefusedByName) {
+  CollectorParams params;
+  params.check();
+  params.tf_wait = -1;
+  EXPECT_THROW(params.check(), std::invalid_argument);
+  params = {};
+  params.raw_image_format = "tiff";
+  EXPECT_THROW(params.check(), std::invalid_argument);
+  params = {};
+  params.map_frame = "/";
+  EXPECT_THROW(params.check(), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace cloud_colorizer

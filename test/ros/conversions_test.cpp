@@ -1,0 +1,352 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "cloud_colorizer/ros/conversions.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "ros/messages.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+using testing_ros::encoded;
+using testing_ros::imageMessage;
+using testing_ros::infoMessage;
+using testing_ros::PointWriter;
+
+std::string messageOf(const std::function<void()>& body) {
+  try {
+    body();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+#define EXPECT_REFUSED(statement, text)                                          \
+  EXPECT_NE(messageOf([&] { (void)(statement); }).find(text), std::string::npos) \
+      << messageOf([&] { (void)(statement); })
+
+TEST(CloudFromMessage, EmptyCloudHasNoPointsButFields) {
+  const Cloud cloud =
+      cloudFromMessage(PointWriter().field("x", 7).field("y", 7).field("z", 7).field("ring", 4).done(0, 1));
+  EXPECT_EQ(cloud.positions.cols(), 0);
+  ASSERT_EQ(cloud.fields.size(), 1U);
+  EXPECT_EQ(cloud.fields[0].name, "ring");
+}
+
+/// Every layout must give the same points: any order, padding, type and byte order.
+TEST(CloudFromMessage, LayoutDoesNotMatter) {
+  for (const bool big : {false, true}) {
+    for (const std::uint8_t type : {7, 8, 5}) {  // FLOAT32, FLOAT64, INT32
+      PointWriter writer;
+      writer.big_endian = big;
+      writer.row_padding = 5;
+      writer.field("ring", 4).pad(3).field("z", type).field("x", type).pad(1).field("time", 8).field("y", type).pad(2);
+      const Cloud cloud = cloudFromMessage(writer.done(3, 2));
+      ASSERT_EQ(cloud.positions.cols(), 6);
+      ASSERT_EQ(cloud.fields.size(), 2U);
+      const std::size_t record = recordSize(cloud.fields);
+      ASSERT_EQ(record, 10U);
+      for (int i = 0; i < 6; ++i) {
+        EXPECT_EQ(cloud.positions(0, i), PointWriter::value("x", i));
+        EXPECT_EQ(cloud.positions(1, i), PointWriter::value("y", i));
+        EXPECT_EQ(cloud.positions(2, i), PointWriter::value("z", i));
+        std::uint16_t ring;
+        double time;
+        std::memcpy(&ring, &cloud.records[record * static_cast<std::size_t>(i)], 2);
+        std::memcpy(&time, &cloud.records[record * static_cast<std::size_t>(i) + 2], 8);
+        EXPECT_EQ(ring, PointWriter::value("ring", i));
+        EXPECT_EQ(time, PointWriter::value("time", i));
+      }
+    }
+  }
+}
+
+TEST(CloudFromMessage, DoublesKeepTheirDigits) {
+  sensor_msgs::PointCloud2 message = PointWriter().field("x", 8).field("y", 8).field("z", 8).done(1, 1);
+  const double utm = 5500000.123;
+  std::memcpy(message.data.data() + 8, &utm, 8);
+  EXPECT_EQ(cloudFromMessage(message).positions(1, 0), utm);
+}
+
+TEST(CloudFromMessage, NanPassesThrough) {
+  sensor_msgs::PointCloud2 message = PointWriter().field("x", 7).field("y", 7).field("z", 7).done(2, 1);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::memcpy(message.data.data() + 16, &nan, 4);
+  EXPECT_TRUE(std::isnan(cloudFromMessage(message).positions(1, 1)));
+}
+
+TEST(CloudFromMessage, WhatDoesNotFitIsRefused) {
+  const sensor_msgs::PointCloud2 good =
+      PointWriter().field("x", 7).field("y", 7).field("z", 7).field("i", 7).done(4, 2);
+  auto message = good;
+  message.fields[1].name = "yy";
+  EXPECT_REFUSED(cloudFromMessage(message), "no field y");
+  message = good;
+  message.fields[3].offset = 14;
+  EXPECT_REFUSED(cloudFromMessage(message), "point_step");
+  message = good;
+  message.row_step = 32;
+  EXPECT_REFUSED(cloudFromMessage(message), "row_step");
+  message = good;
+  message.data.pop_back();
+  EXPECT_REFUSED(cloudFromMessage(message), "data has");
+  message = good;
+  message.width = std::numeric_limits<std::uint32_t>::max();
+  EXPECT_REFUSED(cloudFromMessage(message), "row_step");
+  message = good;
+  message.fields[3].datatype = 9;
+  EXPECT_REFUSED(cloudFromMessage(message), "datatype 9");
+  message = good;
+  message.fields[3].name = "x";
+  EXPECT_REFUSED(cloudFromMessage(message), "twice");
+  message = good;
+  message.fields[3].count = 1000000000;
+  EXPECT_REFUSED(cloudFromMessage(message), "point_step");
+}
+
+TEST(CloudFromMessage, CountOfZeroIsOne) {
+  auto message = PointWriter().field("x", 7).field("y", 7).field("z", 7).field("i", 7).done(1, 1);
+  message.fields[3].count = 0;
+  EXPECT_EQ(cloudFromMessage(message).fields[0].count, 1U);
+}
+
+TEST(AppendToMessage, RoundTripOfTwoClouds) {
+  PointWriter writer;
+  writer.row_padding = 4;
+  writer.field("ring", 4).field("x", 7).field("y", 7).field("z", 7).field("time", 8);
+  const Cloud cloud = cloudFromMessage(writer.done(5, 2));
+  sensor_msgs::PointCloud2 message;
+  appendToMessage(cloud, message);
+  appendToMessage(cloud, message);
+  EXPECT_EQ(message.width, 20U);
+  EXPECT_EQ(message.point_step, 22U);
+  const Cloud back = cloudFromMessage(message);
+  EXPECT_EQ(back.fields, cloud.fields);
+  EXPECT_EQ(back.positions.leftCols(10), cloud.positions);
+  EXPECT_EQ(back.positions.rightCols(10), cloud.positions);
+  EXPECT_TRUE(std::equal(cloud.records.begin(), cloud.records.end(), back.records.begin() + 100));
+  Cloud other = cloud;
+  other.fields[0].name = "beam";
+  EXPECT_REFUSED((appendToMessage(other, message), 0), "other fields");
+}
+
+TEST(CameraFromMessage, PlumbBobAsCalibrated) {
+  const CameraFromInfo camera = cameraFromMessage(infoMessage(640, 480), false);
+  EXPECT_EQ(camera.intrinsics.width, 640);
+  EXPECT_EQ(camera.intrinsics.fx, 400);
+  EXPECT_EQ(camera.intrinsics.cy, 240);
+  EXPECT_EQ(camera.intrinsics.model, DistortionModel::kPlumbBob);
+  EXPECT_EQ(camera.intrinsics.distortion, (std::vector<double>{-0.1, 0.01}));
+  EXPECT_TRUE(camera.warning.empty());
+}
+
+TEST(CameraFromMessage, RectifiedImagesHaveTheProjectionOfP) {
+  sensor_msgs::CameraInfo info = infoMessage(640, 480);
+  info.P[0] = info.P[5] = 380;
+  info.P[2] = 300;
+  info.P[6] = 200;
+  const Intrinsics intrinsics = cameraFromMessage(info, true).intrinsics;
+  EXPECT_EQ(intrinsics.fx, 380);
+  EXPECT_EQ(intrinsics.cx, 300);
+  EXPECT_TRUE(intrinsics.distortion.empty());
+  info.P[0] = 0;
+  EXPECT_REFUSED(cameraFromMessage(info, true), "P[0]");
+}
+
+TEST(CameraFromMessage, RegionAndBinningMoveThePixels) {
+  sensor_msgs::CameraInfo info = infoMessage(640, 480);
+  info.D.clear();
+  info.roi.x_offset = 100;
+  info.roi.y_offset = 40;
+  info.roi.width = 400;
+  info.roi.height = 300;
+  info.binning_x = 2;
+  info.binning_y = 4;
+  const Intrinsics binned = cameraFromMessage(info, false).intrinsics;
+  EXPECT_EQ(binned.width, 200);
+  EXPECT_EQ(binned.height, 75);
+  // A point at pixel (300, 200) of the whole image is at ((300 - 100) / 2, (200 - 40) / 4) of this one.
+  const double x = (300.0 - 320) / 400, y = (200.0 - 240) / 400;
+  EXPECT_DOUBLE_EQ(binned.fx * x + binned.cx, 100);
+  EXPECT_DOUBLE_EQ(binned.fy * y + binned.cy, 40);
+  info.roi.width = 600;
+  EXPECT_REFUSED(cameraFromMessage(info, false), "roi");
+}
+
+TEST(CameraFromMessage, BadCalibrationIsRefused) {
+  sensor_msgs::CameraInfo info = infoMessage(640, 480);
+  info.K[0] = 0;
+  EXPECT_REFUSED(cameraFromMessage(info, false), "uncalibrated");
+  info = infoMessage(640, 480);
+  info.distortion_model = "ocam";
+  EXPECT_REFUSED(cameraFromMessage(info, false), "ocam");
+  info = infoMessage(640, 480);
+  info.distortion_model = "";
+  EXPECT_REFUSED(cameraFromMessage(info, false), "without a distortion_model");
+  info = infoMessage(0, 480);
+  EXPECT_REFUSED(cameraFromMessage(info, false), "0 x 480");
+  info = infoMessage(640, 480);
+  info.K[4] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(messageOf([&] { cameraFromMessage(info, false); }), "");
+}
+
+TEST(CameraFromMessage, WhatIsAssumedIsSaid) {
+  sensor_msgs::CameraInfo info = infoMessage(640, 480);
+  info.distortion_model = "";
+  info.D = {0, 0, 0, 0, 0};
+  EXPECT_NE(cameraFromMessage(info, false).warning.find("plumb_bob"), std::string::npos);
+  info.distortion_model = "plumb_bob";
+  info.D = {0.1, 0.1, 0, 0, 0.1, 0.1, 0.1, 0.1};
+  const CameraFromInfo camera = cameraFromMessage(info, false);
+  EXPECT_EQ(camera.intrinsics.model, DistortionModel::kRationalPolynomial);
+  EXPECT_NE(camera.warning.find("rational_polynomial"), std::string::npos);
+}
+
+TEST(InspectCompressed, SizeAndKindFromTheBytes) {
+  const cv::Mat image(30, 50, CV_8UC3, cv::Scalar(10, 20, 30));
+  for (const char* extension : {"jpg", "png"}) {
+    const sensor_msgs::CompressedImage message = encoded(image, extension);
+    const EncodedInfo info = inspectCompressed(message);
+    EXPECT_EQ(info.size, cv::Size(50, 30));
+    EXPECT_EQ(info.extension, extension);
+  }
+}
+
+TEST(InspectCompressed, TruncatedOrForeignDataIsRefused) {
+  const cv::Mat image(300, 500, CV_8UC3, cv::Scalar(10, 20, 30));
+  for (const char* extension : {"jpg", "png"}) {
+    const sensor_msgs::CompressedImage whole = encoded(image, extension);
+    for (std::size_t size = 0; size < whole.data.size(); size += size < 700 ? 1 : 97) {
+      sensor_msgs::CompressedImage part = whole;
+      part.data.resize(size);
+      EXPECT_THROW(inspectCompressed(part), std::invalid_argument) << extension << ' ' << size;
+    }
+  }
+  sensor_msgs::CompressedImage text;
+  text.format = "jpeg";
+  text.data = {'h', 'e', 'l', 'l', 'o', '!', '!', '!', '!', '!'};
+  EXPECT_REFUSED(inspectCompressed(text), "neither JPEG nor PNG");
+  text.data = {0xFF, 0xD8, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xD9};
+  EXPECT_THROW(inspectCompressed(text), std::invalid_argument);
+}
+
+TEST(InspectCompressed, PaddedJpegIsWhole) {
+  sensor_msgs::CompressedImage message = encoded(cv::Mat(30, 50, CV_8UC1, cv::Scalar(9)), "jpg");
+  message.data.resize(message.data.size() + 100, 0);
+  EXPECT_EQ(inspectCompressed(message).size, cv::Size(50, 30));
+}
+
+/// A picture of one colour, written in each encoding by hand, comes back as that colour.
+struct Encoding {
+  const char* name;
+  std::vector<std::uint8_t> pixel_pair;  ///< bytes of two neighbouring pixels
+  int tolerance;
+};
+
+TEST(ImageFromMessage, EveryEncodingGivesTheSameColour) {
+  const int r = 200, g = 100, b = 50;
+  const auto u8 = [](int v) { return static_cast<std::uint8_t>(v); };
+  // BT.601 limited range
+  const int y = static_cast<int>(16.5 + 0.257 * r + 0.504 * g + 0.098 * b);
+  const int u = static_cast<int>(128.5 - 0.148 * r - 0.291 * g + 0.439 * b);
+  const int v = static_cast<int>(128.5 + 0.439 * r - 0.368 * g - 0.071 * b);
+  const std::vector<Encoding> encodings = {
+      {"rgb8", {u8(r), u8(g), u8(b), u8(r), u8(g), u8(b)}, 0},
+      {"bgr8", {u8(b), u8(g), u8(r), u8(b), u8(g), u8(r)}, 0},
+      {"rgba8", {u8(r), u8(g), u8(b), 7, u8(r), u8(g), u8(b), 7}, 0},
+      {"bgra8", {u8(b), u8(g), u8(r), 7, u8(b), u8(g), u8(r), 7}, 0},
+      {"rgb16", {1, u8(r), 1, u8(g), 1, u8(b), 1, u8(r), 1, u8(g), 1, u8(b)}, 1},
+      {"bgr16", {1, u8(b), 1, u8(g), 1, u8(r), 1, u8(b), 1, u8(g), 1, u8(r)}, 1},
+      {"yuv422", {u8(u), u8(y), u8(v), u8(y)}, 3},
+      {"yuv422_yuy2", {u8(y), u8(u), u8(y), u8(v)}, 3},
+  };
+  for (const Encoding& encoding : encodings) {
+    const cv::Mat image = imageFromMessage(imageMessage(encoding.name, 8, 6, encoding.pixel_pair));
+    ASSERT_EQ(image.type(), CV_8UC3) << encoding.name;
+    const cv::Vec3b color = image.at<cv::Vec3b>(3, 4);
+    EXPECT_NEAR(color[0], b, encoding.tolerance) << encoding.name;
+    EXPECT_NEAR(color[1], g, encoding.tolerance) << encoding.name;
+    EXPECT_NEAR(color[2], r, encoding.tolerance) << encoding.name;
+  }
+}
+
+TEST(ImageFromMessage, BayerPatternsByTheirFirstTwoRows) {
+  const std::map<char, int> value = {{'r', 200}, {'g', 100}, {'b', 50}};
+  for (const std::string pattern : {"rggb", "bggr", "gbrg", "grbg"}) {
+    for (const int bits : {8, 16}) {
+      sensor_msgs::Image message;
+      message.encoding = "bayer_" + pattern + std::to_string(bits);
+      message.width = message.height = 10;
+      message.step = static_cast<std::uint32_t>(10 * bits / 8);
+      for (int row = 0; row < 10; ++row) {
+        for (int col = 0; col < 10; ++col) {
+          const int v = value.at(pattern[static_cast<std::size_t>((row % 2) * 2 + col % 2)]);
+          if (bits == 16) message.data.push_back(0);
+          message.data.push_back(static_cast<std::uint8_t>(v));
+        }
+      }
+      const cv::Vec3b color = imageFromMessage(message).at<cv::Vec3b>(5, 5);
+      EXPECT_NEAR(color[0], 50, 1) << message.encoding;
+      EXPECT_NEAR(color[1], 100, 1) << message.encoding;
+      EXPECT_NEAR(color[2], 200, 1) << message.encoding;
+    }
+  }
+}
+
+TEST(ImageFromMessage, GreyKeepsItsDepthInEitherByteOrder) {
+  EXPECT_EQ(imageFromMessage(imageMessage("mono8", 4, 2, {10, 20})).at<std::uint8_t>(1, 1), 20);
+  sensor_msgs::Image deep = imageMessage("mono16", 4, 2, {0x34, 0x12, 0x78, 0x56});
+  EXPECT_EQ(imageFromMessage(deep).at<std::uint16_t>(1, 1), 0x5678);
+  deep.is_bigendian = 1;
+  EXPECT_EQ(imageFromMessage(deep).at<std::uint16_t>(1, 1), 0x7856);
+}
+
+TEST(ImageFromMessage, RowPaddingIsSkipped) {
+  sensor_msgs::Image message = imageMessage("mono8", 2, 2, {1, 2});
+  message.step = 3;
+  message.data = {1, 2, 99, 3, 4};  // the last row needs no padding
+  EXPECT_EQ(imageFromMessage(message).at<std::uint8_t>(1, 0), 3);
+}
+
+TEST(ImageFromMessage, WhatDoesNotFitIsRefused) {
+  const sensor_msgs::Image good = imageMessage("rgb8", 4, 2, {1, 2, 3, 4, 5, 6});
+  auto message = good;
+  message.encoding = "jpegxl";
+  EXPECT_REFUSED(checkImage(message), "unknown image encoding \"jpegxl\"");
+  message = good;
+  message.data.pop_back();
+  EXPECT_REFUSED(checkImage(message), "data has");
+  message = good;
+  message.step = 8;
+  EXPECT_REFUSED(checkImage(message), "step");
+  message = good;
+  message.width = 0;
+  EXPECT_REFUSED(checkImage(message), "0 x 2");
+}
+
+TEST(EncodeImage, IsLossless) {
+  cv::Mat color(20, 30, CV_8UC3), grey(20, 30, CV_8UC1), deep(20, 30, CV_16UC1);
+  cv::RNG rng(1);
+  for (cv::Mat* image : {&color, &grey, &deep}) {
+    rng.fill(*image, cv::RNG::UNIFORM, 0, image->depth() == CV_16U ? 65536 : 256);
+    for (const char* format : {"png", "ppm"}) {
+      const EncodedImage result = encodeImage(*image, format);
+      const cv::Mat back = cv::imdecode(result.bytes, cv::IMREAD_UNCHANGED);
+      EXPECT_EQ(back.type(), image->type());
+      EXPECT_EQ(cv::norm(back, *image, cv::NORM_INF), 0) << result.extension;
+    }
+  }
+  EXPECT_EQ(encodeImage(grey, "ppm").extension, "pgm");
+}
+
+}  // namespace
+}  // namespace cloud_colorizer

@@ -1,0 +1,355 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Drives colorizer_node over a real roscore: messages in, services, maps out, signals.
+
+#include <cloud_colorizer/ColorizeStatus.h>
+#include <cloud_colorizer/SaveMap.h>
+#include <gtest/gtest.h>
+#include <nav_msgs/Path.h>
+#include <ros/ros.h>
+#include <signal.h>
+#include <std_srvs/Trigger.h>
+#include <stdlib.h>
+#include <sys/mount.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "cloud_colorizer/io.hpp"
+#include "cloud_colorizer/recording.hpp"
+#include "cloud_colorizer/ros/conversions.hpp"
+#include "ros/small_bag.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+using Args = std::vector<std::string>;
+using testing_ros::SmallDrive;
+
+std::string nodeProgram() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "colorizer_node";
+}
+
+/// A colorizer_node as a child process; its output goes to a file.
+class NodeProcess {
+ public:
+  NodeProcess(const Args& args, const std::string& log) : log_(log) {
+    pid_ = fork();
+    if (pid_ != 0) return;
+    std::vector<std::string> all = {nodeProgram(), "__name:=colorizer"};
+    all.insert(all.end(), args.begin(), args.end());
+    std::vector<char*> argv;
+    for (std::string& arg : all) argv.push_back(arg.data());
+    argv.push_back(nullptr);
+    if (freopen(log.c_str(), "a", stdout) == nullptr || dup2(STDOUT_FILENO, STDERR_FILENO) < 0) _exit(126);
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+  ~NodeProcess() {
+    if (pid_ > 0) stop(SIGKILL);
+  }
+
+  int stop(int signal_number) {
+    kill(pid_, signal_number);
+    return wait();
+  }
+  int wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  void sendSignal(int signal_number) const { kill(pid_, signal_number); }
+
+  std::string log() const {
+    std::ifstream file(log_);
+    std::stringstream text;
+    text << file.rdbuf();
+    return text.str();
+  }
+
+ private:
+  pid_t pid_;
+  std::string log_;
+};
+
+/// Waits up to `seconds` until `condition` holds.
+bool waitFor(const std::function<bool()>& condition, double seconds = 20) {
+  for (int i = 0; i < seconds / 0.02; ++i) {
+    if (condition()) return true;
+    ros::spinOnce();
+    ros::WallDuration(0.02).sleep();
+  }
+  return condition();
+}
+
+class NodeTest : public testing::Test {
+ protected:
+  NodeTest() {
+    char name[] = "/tmp/node_test_XXXXXX";
+    directory_ = mkdtemp(name);
+    cloud_ = node_.advertise<sensor_msgs::PointCloud2>("cloud_in", 10);
+    tf_ = node_.advertise<tf2_msgs::TFMessage>("/tf", 100);
+    static_tf_ = node_.advertise<tf2_msgs::TFMessage>("/tf_static", 10, true);
+    static_tf_.publish(SmallDrive::fixedFrames());
+    status_ = node_.subscribe("colorizer/status", 10, &NodeTest::onStatus, this);
+  }
+  ~NodeTest() override {
+    process_.reset();
+    ros::param::del("/colorizer");  // else the next node would find them
+    std::filesystem::remove_all(directory_);
+  }
+
+  void onStatus(const ColorizeStatus& status) { last_status_ = status; }
+
+  /// Both cameras with images of one kind.
+  void startNode(bool compressed, Args args = {}) {
+    compressed_ = compressed;
+    for (int i = 0; i < 2; ++i) {
+      const std::string camera = "camera_" + std::to_string(i);
+      info_[i] = node_.advertise<sensor_msgs::CameraInfo>(camera + "/camera_info", 10);
+      image_[i] = compressed ? node_.advertise<sensor_msgs::CompressedImage>(camera + "/image/compressed", 10)
+                             : node_.advertise<sensor_msgs::Image>(camera + "/image", 10);
+    }
+    args.insert(args.end(), {"_num_cameras:=2", std::string("_image_transport:=") + (compressed ? "compressed" : "raw"),
+                             "_recording_dir:=" + directory_ + "/recording", "_voxel_size:=0.08"});
+    process_ = std::make_unique<NodeProcess>(args, directory_ + "/log");
+    ASSERT_TRUE(waitFor([this] { return connected(); })) << process_->log();
+  }
+
+  bool connected() {
+    return cloud_.getNumSubscribers() > 0 && tf_.getNumSubscribers() > 0 && static_tf_.getNumSubscribers() > 0 &&
+           image_[0].getNumSubscribers() > 0 && image_[1].getNumSubscribers() > 0 && info_[0].getNumSubscribers() > 0 &&
+           info_[1].getNumSubscribers() > 0 && ros::service::exists("colorizer/colorize", false);
+  }
+
+  void publishFrame(std::size_t i, bool tf_last = false) {
+    if (!tf_last) tf_.publish(drive_.pose(i));
+    cloud_.publish(drive_.cloud(i));
+    for (int camera = 0; camera < 2; ++camera) {
+      info_[camera].publish(drive_.cameraInfo(i, camera));
+      if (compressed_) {
+        auto image = testing_ros::encoded(drive_.picture(camera), "jpg");
+        image.header = drive_.cameraInfo(i, camera).header;
+        image_[camera].publish(image);
+      } else {
+        image_[camera].publish(drive_.rawImage(i, camera));
+      }
+    }
+    if (!tf_last) return;
+    ros::WallDuration(0.05).sleep();
+    tf_.publish(drive_.pose(i));
+  }
+
+  void publishDrive(bool tf_last = false) {
+    for (std::size_t i = 0; i < drive_.num_frames; ++i) {
+      publishFrame(i, tf_last);
+      ros::WallDuration(0.02).sleep();
+    }
+  }
+
+  bool waitForViews(std::size_t views) {
+    return waitFor([&] { return last_status_.views >= views; });
+  }
+
+  std_srvs::Trigger::Response call(const std::string& name) {
+    std_srvs::Trigger trigger;
+    EXPECT_TRUE(ros::service::call("colorizer/" + name, trigger)) << process_->log();
+    return trigger.response;
+  }
+  SaveMap::Response save(const std::string& path) {
+    SaveMap map;
+    map.request.path = path;
+    EXPECT_TRUE(ros::service::call("colorizer/save_map", map)) << process_->log();
+    return map.response;
+  }
+
+  /// Walls must have the colours of the pictures: red at y = 4, blue at y = -4.
+  static void expectColouredWalls(const Cloud& cloud) {
+    std::size_t offset = 0;
+    for (const Field& field : cloud.fields) {
+      if (field.name == "rgb" || field.name == "red") break;
+      offset += sizeOf(field.type) * field.count;
+    }
+    const std::size_t record = recordSize(cloud.fields);
+    std::size_t red = 0, blue = 0, wrong = 0;
+    for (Eigen::Index i = 0; i < cloud.positions.cols(); ++i) {
+      std::uint32_t rgb;
+      std::memcpy(&rgb, &cloud.records[static_cast<std::size_t>(i) * record + offset], 4);
+      const int r = rgb >> 16U & 255U, b = rgb & 255U;
+      if (std::abs(r - b) < 50) continue;  // not seen
+      const bool is_red = cloud.positions(1, i) > 0;
+      ++(is_red == (r > b) ? (is_red ? red : blue) : wrong);
+    }
+    EXPECT_GT(red, 500U);
+    EXPECT_GT(blue, 500U);
+    EXPECT_EQ(wrong, 0U);
+  }
+
+  SmallDrive drive_;
+  std::string directory_;
+  bool compressed_ = false;
+  ros::NodeHandle node_;
+  ros::Publisher cloud_, tf_, static_tf_, info_[2], image_[2];
+  ros::Subscriber status_;
+  ColorizeStatus last_status_;
+  std::unique_ptr<NodeProcess> process_;
+};
+
+TEST_F(NodeTest, RawImagesColourPublishAndSave) {
+  startNode(false);
+  sensor_msgs::PointCloud2ConstPtr map, preview;
+  nav_msgs::PathConstPtr path;
+  const auto map_subscriber =
+      node_.subscribe<sensor_msgs::PointCloud2>("colored_map", 1, [&](const auto& m) { map = m; });
+  const auto preview_subscriber =
+      node_.subscribe<sensor_msgs::PointCloud2>("colored_map_preview", 1, [&](const auto& m) { preview = m; });
+  const auto path_subscriber = node_.subscribe<nav_msgs::Path>("camera_path", 1, [&](const auto& m) { path = m; });
+  publishDrive();
+  ASSERT_TRUE(waitForViews(2 * drive_.num_frames)) << process_->log();
+  EXPECT_TRUE(waitFor([&] { return preview && path && path->poses.size() == drive_.num_frames; }));
+
+  const auto response = call("colorize");
+  ASSERT_TRUE(response.success) << response.message << process_->log();
+  ASSERT_TRUE(waitFor([&] { return map != nullptr; }));
+  EXPECT_EQ(map->header.frame_id, "map");
+  std::vector<std::string> names;
+  for (const auto& field : map->fields) names.push_back(field.name);
+  EXPECT_EQ(names, (Args{"x", "y", "z", "intensity", "rgb", "view_count", "color_stddev"}));
+  expectColouredWalls(cloudFromMessage(*map));
+  EXPECT_TRUE(waitFor([&] { return last_status_.colored_points > 1000; }));
+
+  for (const std::string name : {"map.ply", "map.pcd"}) {
+    const auto saved = save(directory_ + "/" + name);
+    EXPECT_TRUE(saved.success) << saved.message;
+    EXPECT_EQ(CloudReader(directory_ + "/" + name).numPoints(), map->width);
+  }
+  const auto missing = save(directory_ + "/no/such/place.ply");
+  EXPECT_FALSE(missing.success);
+  EXPECT_NE(missing.message.find("no/such"), std::string::npos) << missing.message;
+  const auto unknown = save(directory_ + "/map.las");
+  EXPECT_FALSE(unknown.success);
+  EXPECT_NE(unknown.message.find("las"), std::string::npos) << unknown.message;
+  EXPECT_EQ(process_->stop(SIGINT), 0) << process_->log();
+}
+
+TEST_F(NodeTest, FullDiskIsReportedAndTheMapStays) {
+  const std::string small = directory_ + "/small";
+  std::filesystem::create_directory(small);
+  if (mount("tmpfs", small.c_str(), "tmpfs", 0, "size=16k") != 0) GTEST_SKIP() << "mounting a tmpfs needs root";
+  startNode(true);
+  publishDrive();
+  waitForViews(2 * drive_.num_frames);
+  const auto full = save(small + "/map.ply");
+  EXPECT_FALSE(full.success);
+  EXPECT_NE(full.message.find("space"), std::string::npos) << full.message;
+  EXPECT_TRUE(std::filesystem::is_empty(small));
+  umount(small.c_str());
+  EXPECT_TRUE(save(directory_ + "/map.ply").success);
+}
+
+TEST_F(NodeTest, CompressedImagesLateTfAndSaveOnShutdown) {
+  startNode(true, {"_save_path:=" + directory_ + "/map.ply"});
+  publishDrive(true);
+  ASSERT_TRUE(waitForViews(2 * drive_.num_frames)) << process_->log();
+  EXPECT_EQ(process_->stop(SIGTERM), 0) << process_->log();
+  CloudReader reader(directory_ + "/map.ply");
+  EXPECT_GT(reader.numPoints(), 1000U);
+}
+
+TEST_F(NodeTest, LoopedBagIsRecordedFurther) {
+  startNode(true);
+  publishDrive();
+  ASSERT_TRUE(waitForViews(2 * drive_.num_frames)) << process_->log();
+  publishDrive();
+  EXPECT_TRUE(waitForViews(4 * drive_.num_frames - 4)) << process_->log();
+  EXPECT_NE(process_->log().find("time jumped back"), std::string::npos);
+}
+
+TEST_F(NodeTest, KilledRecordingIsContinuedAndColoured) {
+  startNode(true);
+  for (std::size_t i = 0; i < 4; ++i) publishFrame(i);
+  ASSERT_TRUE(waitForViews(8)) << process_->log();
+  ros::WallDuration(1.2).sleep();  // a crash may lose the last second
+  process_->stop(SIGKILL);
+  EXPECT_GE(Recording::open(directory_ + "/recording").views().size(), 8U);
+
+  ASSERT_TRUE(waitFor([this] { return cloud_.getNumSubscribers() == 0; }));
+  last_status_ = {};
+  startNode(true);
+  for (std::size_t i = 4; i < drive_.num_frames; ++i) publishFrame(i);
+  ASSERT_TRUE(waitForViews(2 * drive_.num_frames)) << process_->log();
+  const auto response = call("colorize");
+  EXPECT_TRUE(response.success) << response.message;
+}
+
+TEST_F(NodeTest, ResetKeepsTheOldRecordingAndPauseStopsRecording) {
+  startNode(true);
+  publishDrive();
+  ASSERT_TRUE(waitForViews(2 * drive_.num_frames)) << process_->log();
+  const auto reset = call("reset");
+  EXPECT_TRUE(reset.success) << reset.message;
+  ASSERT_TRUE(waitFor([&] { return last_status_.views == 0; }));
+  std::size_t kept = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(directory_)) {
+    if (entry.path().filename().string().rfind("recording.", 0) != 0) continue;
+    kept = Recording::open(entry.path()).views().size();
+  }
+  EXPECT_EQ(kept, 2 * drive_.num_frames);
+
+  EXPECT_TRUE(call("pause").success);
+  publishFrame(6);
+  ASSERT_TRUE(waitFor([&] { return last_status_.stage == "paused"; }));
+  EXPECT_EQ(last_status_.views, 0U);
+  EXPECT_TRUE(call("resume").success);
+  publishFrame(7);
+  EXPECT_TRUE(waitForViews(2)) << process_->log();
+}
+
+TEST_F(NodeTest, NothingToColourIsExplained) {
+  startNode(true);
+  const auto response = call("colorize");
+  EXPECT_FALSE(response.success);
+  EXPECT_FALSE(response.message.empty());
+  EXPECT_TRUE(waitFor([this] { return process_->log().find("no message for 5 s on:") != std::string::npos; }));
+  EXPECT_NE(process_->log().find("/camera_1/image/compressed"), std::string::npos);
+}
+
+TEST_F(NodeTest, ColouringStartsAfterSilence) {
+  startNode(true, {"_colorize_after:=1"});
+  publishDrive();
+  EXPECT_TRUE(waitFor([&] { return last_status_.colored_points > 1000; })) << process_->log();
+}
+
+TEST_F(NodeTest, UnknownParameterStopsTheStart) {
+  NodeProcess process({"_voxel_sise:=0.1"}, directory_ + "/log");
+  EXPECT_EQ(process.wait(), 1);
+  EXPECT_NE(process.log().find("unknown parameter ~voxel_sise"), std::string::npos) << process.log();
+  EXPECT_NE(process.log().find("voxel_size"), std::string::npos);
+}
+
+TEST_F(NodeTest, ParameterOutOfRangeStopsTheStart) {
+  NodeProcess process({"_voxel_size:=-3"}, directory_ + "/log");
+  EXPECT_EQ(process.wait(), 1);
+  EXPECT_NE(process.log().find("voxel_size = -3"), std::string::npos) << process.log();
+}
+
+TEST_F(NodeTest, SavePathThatCannotBeWrittenStopsTheStart) {
+  NodeProcess process({"_save_path:=/no/such/place.ply"}, directory_ + "/log");
+  EXPECT_EQ(process.wait(), 1);
+  EXPECT_NE(process.log().find("/no/such"), std::string::npos) << process.log();
+}
+
+}  // namespace
+}  // namespace cloud_colorizer
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "node_driver");
+  testing::InitGoogleTest(&argc, argv);
+  ros::NodeHandle keep_alive;
+  return RUN_ALL_TESTS();
+}
