@@ -99,6 +99,34 @@ TEST(Heldout, NothingLeftOutIsAnError) {
   }
 }
 
+TEST(RefinePose, FindsThePoseOfAnImageOfTheMap) {
+  TestBedParams params;
+  params.num_points = 20000;
+  params.num_views = 1;
+  params.width = 320;
+  params.height = 240;
+  params.focal_length = 375;
+  const TestBed bed = renderTestBed(bumpySphere(60), params);
+  const TestBed noisy = addNoise(bed, NoiseParams{0.15, 0.002, 0.1, 2}, 4);
+  const Eigen::Vector3f towards = bed.true_poses[0].translation().normalized().cast<float>();
+  std::vector<Eigen::Index> facing;
+  for (Eigen::Index p = 0; p < bed.points.cols(); ++p) {
+    if (bed.points.col(p).normalized().dot(towards) > 0.6F) facing.push_back(p);
+  }
+  Points points(3, facing.size());
+  Values colors(3, facing.size());
+  for (std::size_t k = 0; k < facing.size(); ++k) {
+    points.col(static_cast<Eigen::Index>(k)) = bed.points.col(facing[k]);
+    colors.col(static_cast<Eigen::Index>(k)) = bed.truth.col(facing[k]);
+  }
+  const Camera camera(bed.intrinsics);
+  const Eigen::Isometry3d found = refinePose(points, colors, camera, noisy.images[0], noisy.poses[0]);
+  EXPECT_GT(meanReprojectionError(bed, noisy.poses), 0.7);
+  EXPECT_LT(meanReprojectionError(bed, {found}), 0.15);
+  EXPECT_TRUE(
+      refinePose(Points(3, 0), Values(3, 0), camera, noisy.images[0], noisy.poses[0]).isApprox(noisy.poses[0], 0));
+}
+
 TEST(ColoredCloud, ColoursFromPackedOrSeparateFields) {
   Cloud cloud;
   cloud.positions = Eigen::Matrix3Xd::Zero(3, 1);
