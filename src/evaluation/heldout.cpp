@@ -215,7 +215,7 @@ SeenImage atRefinedPose(const ColoredMap& map, const SeenImage& seen, const Came
   SeenImage refined = seen;
   for (std::size_t k = 0; k < seen.points.size(); ++k) {
     const auto pixel = camera.project(camera_from_map * map.points.col(seen.points[k]));
-    if (pixel) refined.values.col(static_cast<Index>(k)) = bilinear(image, *pixel);
+    if (pixel) refined.values.block<3, 1>(0, static_cast<Index>(k)) = bilinear(image, *pixel);
   }
   return refined;
 }
@@ -299,7 +299,9 @@ void savePictures(const std::string& path, const ColoredMap& map, const SeenImag
   }
   cv::Mat3b bgr;
   cv::cvtColor(image, bgr, cv::COLOR_RGB2BGR);
-  const cv::Mat3b dark = bgr * 0.35, black(bgr.size(), cv::Vec3b(0, 0, 0));
+  const cv::Mat3b black(bgr.size(), cv::Vec3b(0, 0, 0));
+  cv::Mat3b dark;
+  bgr.convertTo(dark, CV_8U, 0.35);
   const cv::Mat left = besideEachOther({bgr, drawSeen(seen, predicted, use, black)}, {"image", map.method});
   const cv::Mat right = besideEachOther(
       {drawSeen(seen, predicted, use, dark), drawSeen(seen, colorScale(errors, 0, kWorstError), use, black)},

@@ -107,12 +107,14 @@ Eigen::Isometry3d refinePose(PointsRef points, ValuesRef colors, const Camera& c
   if (points.cols() < kMinPoints) return map_from_camera;
   constexpr int kRounds = 8;
   Problem problem(points, colors, camera);
-  cv::Mat1b grey;
-  cv::cvtColor(image, grey, cv::COLOR_RGB2GRAY);
+  cv::Mat1b bytes;
+  cv::Mat1f grey;
+  cv::cvtColor(image, bytes, cv::COLOR_RGB2GRAY);
+  bytes.convertTo(grey, CV_32F);
   Eigen::Isometry3d pose = map_from_camera.inverse();
   for (const double sigma : {4.0, 2.0, 1.0}) {
     cv::Mat1f blurred;
-    cv::GaussianBlur(cv::Mat1f(grey), blurred, cv::Size(), sigma);
+    cv::GaussianBlur(grey, blurred, cv::Size(), sigma);
     Matrix6 h;
     Vector6 g;
     double cost = problem.linearize(blurred, pose, &h, &g);

@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "cloud_colorizer/evaluation/clouds.hpp"
+#include "cloud_colorizer/evaluation/refine_pose.hpp"
 #include "cloud_colorizer/evaluation/test_bed.hpp"
 
 namespace cloud_colorizer {
