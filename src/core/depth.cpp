@@ -12,14 +12,14 @@
 namespace cloud_colorizer {
 namespace {
 
-constexpr float kMaxSplat = 32;      // cells; half the extent of the largest splat
-constexpr float kLowPass = 0.5F;     // cells; added to every splat so that neighbours join
-constexpr float kMaxShare = 0.3F;    // of the distance: a disc's radius at most, as nearer discs cross the camera
-constexpr float kMinCosine = 0.05F;  // of the incidence; more grazing ones count as this
-constexpr float kThickness = 0.3F;   // of the radius: how thick surfaces are
-constexpr float kBallThickness = 1.5F;
-constexpr float kHalfCell = 0.5F;
-constexpr float kJump = 0.04F;  // relative change of depth between cells that is an edge
+constexpr float kMaxSplat = 32;         // cells; half the extent of the largest splat
+constexpr float kLowPass = 0.5F;        // cells; added to every splat so that neighbours join
+constexpr float kMaxShare = 0.3F;       // of the distance: a disc's radius at most, as nearer discs cross the camera
+constexpr float kMinCosine = 0.05F;     // of the incidence; more grazing ones count as this
+constexpr float kThickness = 0.25F;     // of the radius: how far a visible point may lie below the surface
+constexpr float kBallThickness = 0.6F;  // the same without a plane
+constexpr float kCellSlack = 1.0F;      // cells: a cell holds the nearest of a slanted surface in and just beside it
+constexpr float kJump = 0.04F;          // relative change of depth between cells that is an edge
 
 /// A splat: the ellipse a du^2 + 2 b du dv + c dv^2 <= 1 about (u, v) and its plane of inverse distance. In cells.
 struct Ellipse {
@@ -137,13 +137,13 @@ Visibility DepthImage::test(const Eigen::Vector2f& pixel, const Eigen::Vector3f&
   const bool ball = normal.isZero();
   const float thickness = (ball ? kBallThickness : kThickness) * radius;
   if (behind > share + thickness) {
-    // On a slanted surface thickness and half a cell are more along the ray. Both the point's own surface and the one
-    // that is seen must be slanted, else a wall would not hide what stands edge-on behind it.
+    // On a slanted surface thickness and the extent of a cell are more along the ray. Both the point's own surface and
+    // the one that is seen must be slanted, else a wall would not hide what stands edge-on behind it.
     const float cell = cell_size * pixel_angle * distance;
     const float seen_tangent = slope(row, col) / cell;
-    const float seen = kHalfCell * cell * seen_tangent + thickness * std::sqrt(1 + seen_tangent * seen_tangent);
+    const float seen = kCellSlack * cell * seen_tangent + thickness * std::sqrt(1 + seen_tangent * seen_tangent);
     const float cosine = ball ? 1.0F : std::min(1.0F, std::max(kMinCosine, std::abs(normal.dot(point)) / distance));
-    const float own = kHalfCell * cell * std::sqrt(1 - cosine * cosine) / cosine + thickness / cosine;
+    const float own = kCellSlack * cell * std::sqrt(1 - cosine * cosine) / cosine + thickness / cosine;
     if (!(behind <= share + std::min(own, seen))) return Visibility::kHidden;
   }
   return edge(row, col) != 0 ? Visibility::kEdge : Visibility::kVisible;
@@ -186,6 +186,7 @@ void DepthSplatter::splat(const Eigen::Vector3f& point, const Eigen::Vector3f& n
   if (e.u - e.half_width > static_cast<float>(inverse_.cols) || e.v - e.half_height > static_cast<float>(inverse_.rows))
     return;
   e.inverse = 1 / distance;
+  // Not beyond the disc: a plane that noise has tilted errs the more the farther it is followed.
   const float extent = plane ? r * std::sqrt(std::max(0.0F, 1 - cosine * cosine)) : 0;
   e.nearest = 1 / (distance - extent), e.farthest = 1 / (distance + extent);
   if (plane) {
