@@ -14,10 +14,11 @@
 namespace cloud_colorizer {
 
 struct DepthParams {
-  double depth_cell_size = 2;     ///< px of the image to a cell of the depth image
-  double depth_tolerance = 0.01;  ///< share of the depth by which a visible point may lie behind the surface
-  double depth_edge_guard = 3;    ///< px; nearer than this to a depth edge an observation counts as "edge"
-  double max_view_distance = 40;  ///< m; views farther from a point than this do not colour it
+  double depth_cell_size = 2;      ///< px of the image to a cell of the depth image
+  double depth_tolerance = 0.002;  ///< share of the depth by which a visible point may lie behind the surface, besides
+                                   ///< a quarter of its surfel radius and what the slant of the surface explains
+  double depth_edge_guard = 3;     ///< px; nearer than this to a depth edge an observation counts as "edge"
+  double max_view_distance = 40;   ///< m; views farther from a point than this do not colour it
 
   void check() const;
 };
@@ -25,7 +26,8 @@ struct DepthParams {
 enum class Visibility { kHidden, kEdge, kVisible };
 
 /// Distance from the camera's centre to the nearest surface [m], on a grid of cells; +infinity where there is none.
-/// (The distance and not z: then a fisheye may see behind its image plane.)
+/// (The distance and not z: then a fisheye may see behind its image plane.) Where a surface is slanted, a cell holds
+/// the nearest that is in it. Holes of one cell between surfels are closed.
 struct DepthImage {
   cv::Mat1f depth;
   cv::Mat1b edge;             ///< non-zero within the guard band of a depth edge

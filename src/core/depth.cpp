@@ -12,14 +12,14 @@
 namespace cloud_colorizer {
 namespace {
 
-constexpr float kMaxSplat = 32;      // cells; half the extent of the largest splat
-constexpr float kLowPass = 0.5F;     // cells; added to every splat so that neighbours join
-constexpr float kMaxShare = 0.3F;    // of the distance: a disc's radius at most, as nearer discs cross the camera
-constexpr float kMinCosine = 0.05F;  // of the incidence; more grazing ones count as this
-constexpr float kThickness = 0.3F;   // of the radius: how thick surfaces are
-constexpr float kBallThickness = 1.5F;
-constexpr float kHalfCell = 0.5F;
-constexpr float kJump = 0.04F;  // relative change of depth between cells that is an edge
+constexpr float kMaxSplat = 32;         // cells; half the extent of the largest splat
+constexpr float kLowPass = 0.5F;        // cells; added to every splat so that neighbours join
+constexpr float kMaxShare = 0.3F;       // of the distance: a disc's radius at most, as nearer discs cross the camera
+constexpr float kMinCosine = 0.05F;     // of the incidence; more grazing ones count as this
+constexpr float kThickness = 0.25F;     // of the radius: how far a visible point may lie below the surface
+constexpr float kBallThickness = 0.6F;  // the same without a plane
+constexpr float kCellSlack = 1.0F;      // cells: a cell holds the nearest of a slanted surface in and just beside it
+constexpr float kJump = 0.04F;          // relative change of depth between cells that is an edge
 
 /// A splat: the ellipse a du^2 + 2 b du dv + c dv^2 <= 1 about (u, v) and its plane of inverse distance. In cells.
 struct Ellipse {
@@ -29,17 +29,26 @@ struct Ellipse {
   float nearest, farthest;  // bounds of the inverse distance
 };
 
+/// floor and ceil of what is above -256, without a library call; a cell's thousandth is not worth one.
+int floorOf(float x) {
+  return static_cast<int>(x + 256) - 256;
+}
+int ceilOf(float x) {
+  return static_cast<int>(x + 256.999F) - 256;
+}
+
 /// Rows: v; the span of u is where the quadratic is below 1; the cell of the centre is always covered.
 void fill(const Ellipse& e, cv::Mat1f& inverse) {
-  const int center_u = static_cast<int>(std::lround(e.u)), center_v = static_cast<int>(std::lround(e.v));
-  const int first_v = std::max(0, std::min(center_v, static_cast<int>(std::ceil(e.v - e.half_height))));
-  const int last_v = std::min(inverse.rows - 1, std::max(center_v, static_cast<int>(std::floor(e.v + e.half_height))));
+  const int center_u = floorOf(e.u + 0.5F), center_v = floorOf(e.v + 0.5F);
+  const int first_v = std::max(0, std::min(center_v, ceilOf(e.v - e.half_height)));
+  const int last_v = std::min(inverse.rows - 1, std::max(center_v, floorOf(e.v + e.half_height)));
+  const float over_a = 1 / e.a, determinant = e.b * e.b - e.a * e.c;
   for (int row = first_v; row <= last_v; ++row) {
     const float y = static_cast<float>(row) - e.v;
-    const float root = (e.b * e.b - e.a * e.c) * y * y + e.a;
+    const float root = determinant * y * y + e.a;
     if (root < 0 && row != center_v) continue;
-    const float middle = e.u - e.b * y / e.a, half = std::sqrt(std::max(root, 0.0F)) / e.a;
-    int first_u = static_cast<int>(std::ceil(middle - half)), last_u = static_cast<int>(std::floor(middle + half));
+    const float middle = e.u - e.b * y * over_a, half = std::sqrt(std::max(root, 0.0F)) * over_a;
+    int first_u = ceilOf(middle - half), last_u = floorOf(middle + half);
     if (row == center_v) first_u = std::min(first_u, center_u), last_u = std::max(last_u, center_u);
     first_u = std::max(first_u, 0), last_u = std::min(last_u, inverse.cols - 1);
     float* const cells = inverse[row];
@@ -122,7 +131,8 @@ float DepthImage::slope(int row, int col) const {
     }
     return std::isfinite(least) ? least : 0.0F;
   };
-  return std::hypot(along(0, 1), along(1, 0));
+  const float across = along(0, 1), down = along(1, 0);
+  return std::sqrt(across * across + down * down);
 }
 
 Visibility DepthImage::test(const Eigen::Vector2f& pixel, const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
@@ -137,13 +147,13 @@ Visibility DepthImage::test(const Eigen::Vector2f& pixel, const Eigen::Vector3f&
   const bool ball = normal.isZero();
   const float thickness = (ball ? kBallThickness : kThickness) * radius;
   if (behind > share + thickness) {
-    // On a slanted surface thickness and half a cell are more along the ray. Both the point's own surface and the one
-    // that is seen must be slanted, else a wall would not hide what stands edge-on behind it.
+    // On a slanted surface thickness and the extent of a cell are more along the ray. Both the point's own surface and
+    // the one that is seen must be slanted, else a wall would not hide what stands edge-on behind it.
     const float cell = cell_size * pixel_angle * distance;
     const float seen_tangent = slope(row, col) / cell;
-    const float seen = kHalfCell * cell * seen_tangent + thickness * std::sqrt(1 + seen_tangent * seen_tangent);
+    const float seen = kCellSlack * cell * seen_tangent + thickness * std::sqrt(1 + seen_tangent * seen_tangent);
     const float cosine = ball ? 1.0F : std::min(1.0F, std::max(kMinCosine, std::abs(normal.dot(point)) / distance));
-    const float own = kHalfCell * cell * std::sqrt(1 - cosine * cosine) / cosine + thickness / cosine;
+    const float own = kCellSlack * cell * std::sqrt(1 - cosine * cosine) / cosine + thickness / cosine;
     if (!(behind <= share + std::min(own, seen))) return Visibility::kHidden;
   }
   return edge(row, col) != 0 ? Visibility::kEdge : Visibility::kVisible;
@@ -186,6 +196,7 @@ void DepthSplatter::splat(const Eigen::Vector3f& point, const Eigen::Vector3f& n
   if (e.u - e.half_width > static_cast<float>(inverse_.cols) || e.v - e.half_height > static_cast<float>(inverse_.rows))
     return;
   e.inverse = 1 / distance;
+  // Not beyond the disc: a plane that noise has tilted errs the more the farther it is followed.
   const float extent = plane ? r * std::sqrt(std::max(0.0F, 1 - cosine * cosine)) : 0;
   e.nearest = 1 / (distance - extent), e.farthest = 1 / (distance + extent);
   if (plane) {
@@ -193,7 +204,7 @@ void DepthSplatter::splat(const Eigen::Vector3f& point, const Eigen::Vector3f& n
     const Eigen::Vector2f slope = spread.inverse() * (jacobian * normal) / (cosine * distance * distance);
     e.du = slope.x(), e.dv = slope.y();
   }
-  if (std::isfinite(e.du) && std::isfinite(e.dv) && std::isfinite(e.a * e.b * e.c)) fill(e, inverse_);
+  if (std::isfinite(e.du + e.dv) && std::isfinite(e.u + e.v) && std::isfinite(e.a * e.b * e.c)) fill(e, inverse_);
 }
 
 void DepthSplatter::add(PointsRef points, const Surfels& surfels) {

@@ -22,6 +22,30 @@ constexpr float kLine = 0.04F;
 /// irregularity.
 constexpr float kClosing = 1.05F * 1.7724539F;
 
+/// Near points in a row keep the search in the caches: the order of a Z-curve of 1024 cells an axis.
+std::vector<std::uint32_t> coarseOrder(PointsRef points) {
+  const Eigen::Vector3f low = points.rowwise().minCoeff();
+  const float side = std::max(1e-30F, (points.rowwise().maxCoeff() - low).maxCoeff());
+  const auto spread = [](std::uint64_t bits) {  // 10 bits, two zeros between each
+    bits = (bits | bits << 16) & 0x030000FF;
+    bits = (bits | bits << 8) & 0x0300F00F;
+    bits = (bits | bits << 4) & 0x030C30C3;
+    return (bits | bits << 2) & 0x09249249;
+  };
+  std::vector<std::uint64_t> keys(static_cast<std::size_t>(points.cols()));
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const Eigen::Array3f cell = (points.col(static_cast<Eigen::Index>(i)) - low) / side * 1023.0F;
+    std::uint64_t code = 0;
+    for (int axis = 0; axis < 3; ++axis) code |= spread(static_cast<std::uint64_t>(cell[axis])) << axis;
+    keys[i] = code << 32 | i;
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<std::uint32_t> order;
+  order.reserve(keys.size());
+  for (const std::uint64_t key : keys) order.push_back(static_cast<std::uint32_t>(key & 0xFFFFFFFFU));
+  return order;
+}
+
 struct Columns {
   const PointsRef& points;
   std::size_t kdtree_get_point_count() const { return static_cast<std::size_t>(points.cols()); }
@@ -87,7 +111,9 @@ class Estimator {
         columns_{points_},
         tree_(3, columns_, nanoflann::KDTreeSingleIndexAdaptorParams(12)),
         k_(std::min(k, static_cast<std::size_t>(points.cols()))) {
+#if NANOFLANN_VERSION < 0x143  // later ones build in their constructor
     tree_.buildIndex();
+#endif
     const auto n = static_cast<std::size_t>(points.cols());
     moments_.resize(n);
     neighbors_.resize(n * k_);
@@ -101,7 +127,8 @@ class Estimator {
     }
   }
 
-  void estimate(std::size_t i, Surfels& out) {
+  /// Of point i into a column of `out`.
+  void estimate(std::size_t i, std::uint32_t column, Surfels& out) {
     // The neighbours' neighbours as well: noise of the normal falls with the square of the neighbourhood.
     Moments moments;
     const std::uint32_t* const near = neighbors_.data() + i * k_;
@@ -112,14 +139,15 @@ class Estimator {
     float radius = kClosing / std::sqrt(static_cast<float>(k_)) * std::min(whole, 1.8F * half);
     if (plane.line) plane = planeAcrossLines(i, radius);
     if (plane.normal.isZero()) radius = 0.5F * third;  // not a plane: a small ball
-    const auto column = static_cast<Eigen::Index>(i);
     out.normals.col(column) = plane.normal;
     out.radii[column] = radius;
     out.offsets[column] = std::min(radius, std::max(-radius, plane.offset));
   }
 
  private:
-  Eigen::Vector3f at(std::size_t i) const { return points_.col(static_cast<Eigen::Index>(i)); }
+  Eigen::Vector3f at(std::size_t i) const {
+    return points_.col(static_cast<Eigen::Index>(i));
+  }
 
   /// Perhaps one scan line of a surface: with more neighbours the next line takes part. Lines are dense along and
   /// sparse across, so the radius has to reach to the next line.
@@ -160,8 +188,11 @@ Surfels estimateSurfels(PointsRef points, const SurfelParams& params) {
   Surfels surfels{Eigen::Matrix3Xf::Zero(3, n), Eigen::VectorXf::Zero(n), Eigen::VectorXf::Zero(n)};
   if (n == 0) return surfels;
   require<std::invalid_argument>(points.allFinite(), "surfels: a point is not finite; drop such points first");
-  Estimator estimator(points, static_cast<std::size_t>(params.num_neighbors));
-  for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) estimator.estimate(i, surfels);
+  const std::vector<std::uint32_t> order = coarseOrder(points);
+  Points sorted(3, n);
+  for (std::size_t i = 0; i < order.size(); ++i) sorted.col(static_cast<Eigen::Index>(i)) = points.col(order[i]);
+  Estimator estimator(sorted, static_cast<std::size_t>(params.num_neighbors));
+  for (std::size_t i = 0; i < order.size(); ++i) estimator.estimate(i, order[i], surfels);
   return surfels;
 }
 
