@@ -108,8 +108,8 @@ void CollectorParams::check() const {
   requireInRange("tf_wait", tf_wait, 0.0, 3600.0);
   requireInRange("tf_cache", tf_cache, 1.0, 86400.0);
   require<Invalid>(tf_cache > tf_wait, "parameter tf_cache = ", tf_cache, " must exceed tf_wait = ", tf_wait);
-  require<Invalid>(raw_image_format == "png" || raw_image_format == "ppm", "parameter raw_image_format = \"",
-                   raw_image_format, "\" must be one of: png, ppm");
+  require<Invalid>(raw_image_format == "png" || raw_image_format == "ppm" || raw_image_format == "jpg",
+                   "parameter raw_image_format = \"", raw_image_format, "\" must be one of: ppm, png, jpg");
   requireInRange("encode_threads", encode_threads, 1, 64);
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const std::string name = "camera_" + std::to_string(i) + "/time_offset";
