@@ -3,10 +3,10 @@
 
 #include "cloud_colorizer/ros/collector.hpp"
 
-#include <boost/make_shared.hpp>
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <boost/make_shared.hpp>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
@@ -118,6 +118,22 @@ TEST_F(CollectorTest, CloudIsPlacedByTheTransformAtItsExactStamp) {
   ASSERT_EQ(recording.numPoints(), 1U);
   const Eigen::Vector3f expected(11.35F, 2, 5);
   EXPECT_LT((recording.readPoints(0).col(0) - expected).norm(), 1e-4F);
+}
+
+/// Today's seconds in a double are 0.2 us coarse; rounded up, they would lie behind the last transform.
+TEST_F(CollectorTest, StampsOfTodayAreExact) {
+  addInfo();
+  for (int i = 0; i < 50; ++i) {
+    auto transform = transformMessage("map", "base", 0, i);
+    auto image = imageMessage("mono8", 8, 6, {1, 2});
+    transform.transforms[0].header.stamp = ros::Time(1763800000 + i, 123456789U + 7U * static_cast<unsigned>(i));
+    collector().addTransforms(transform, false);
+    image.header.stamp = transform.transforms[0].header.stamp;
+    image.header.frame_id = "camera";
+    collector().addImage(0, boost::make_shared<sensor_msgs::Image>(image));
+    collector().process();
+    EXPECT_EQ(imageCount(Outcome::kKept), static_cast<std::size_t>(i + 1));
+  }
 }
 
 TEST_F(CollectorTest, LateTransformIsWaitedFor) {
