@@ -3,8 +3,8 @@
 
 /// evaluate tables|ablations|heldout|score|visibility ...: the paper's tables, and scores of any result.
 #include <cstdio>
-#include <cstring>
 #include <map>
+#include <string>
 
 #include "evaluate_commands.hpp"
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// evaluate visibility: a coloured map of the simulated street against the exact scene.
+#include <algorithm>
 #include <iostream>
 
 #include "cloud_colorizer/check.hpp"
@@ -10,6 +11,7 @@
 #include "cloud_colorizer/evaluation/table.hpp"
 #include "cloud_colorizer/io.hpp"
 #include "cloud_colorizer/recording.hpp"
+#include "cloud_colorizer/simulation/street.hpp"
 #include "cloud_colorizer/simulation/truth.hpp"
 #include "command_line.hpp"
 #include "evaluate_commands.hpp"
@@ -84,7 +86,7 @@ int runVisibility(int argc, char** argv) {
     simulation::TruthOptions options;
     options.max_view_distance = line.params.depth.max_view_distance;
     options.num_threads = line.params.colorize.num_threads;
-    const simulation::Scene scene = makeScene(drive);
+    const simulation::Scene scene = makeStreet(simulation::streetOf(drive.options()));
     report(map, trueVisibility(scene, map.positions, trueViews(drive, recording), options));
   });
 }

@@ -124,7 +124,7 @@ class Ablations {
     for (const int percent : {0, 5, 10, 20}) {
       const auto start = Clock::now();
       Values values = Values::Zero(3, observed_.points.cols());
-      for (int chunk = 0; chunk < 8; ++chunk) solveChunk(chunk, percent / 100.F, grid, values);
+      for (int chunk = 0; chunk < 8; ++chunk) solveChunk(chunk, static_cast<float>(percent) / 100, grid, values);
       const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
       double sum = 0;
       Index count = 0;

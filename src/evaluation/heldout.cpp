@@ -12,6 +12,7 @@
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/colorize.hpp"
 #include "cloud_colorizer/evaluation/clouds.hpp"
+#include "cloud_colorizer/evaluation/refine_pose.hpp"
 #include "cloud_colorizer/evaluation/score.hpp"
 #include "cloud_colorizer/parallel.hpp"
 #include "cloud_colorizer/picture.hpp"
@@ -106,8 +107,8 @@ SeenImage lookAtPoints(PointsRef points, const Surfels& surfels, const Camera& c
 
 /// Errors of one method in one or more images.
 struct Errors {
-  std::vector<float> raw, after_gain, trimmed;  ///< mean over the channels, by point
-  double squares = 0;                           ///< sum over points and channels, after the gain
+  std::vector<float> raw, after_gain, trimmed, refined;  ///< mean over the channels, by point
+  double squares = 0;                                    ///< sum over points and channels, after the gain
   std::size_t visible = 0, colored = 0, moved = 0;
   double seam = 0;
   std::size_t seam_pairs = 0;
@@ -116,6 +117,7 @@ struct Errors {
     raw.insert(raw.end(), other.raw.begin(), other.raw.end());
     after_gain.insert(after_gain.end(), other.after_gain.begin(), other.after_gain.end());
     trimmed.insert(trimmed.end(), other.trimmed.begin(), other.trimmed.end());
+    refined.insert(refined.end(), other.refined.begin(), other.refined.end());
     squares += other.squares;
     visible += other.visible;
     colored += other.colored;
@@ -194,6 +196,30 @@ Errors compare(const ColoredMap& map, const SeenImage& seen, const std::vector<s
   return errors;
 }
 
+/// The same points, where the image shows them from the pose that fits this map best. So no method pays for the error
+/// of the held-out view's own pose, nor has an advantage when the map moved with a correction of the extrinsics.
+SeenImage atRefinedPose(const ColoredMap& map, const SeenImage& seen, const Camera& camera, const View& view,
+                        const cv::Mat3b& image) {
+  std::vector<Index> colored;
+  for (const Index p : seen.points) {
+    if (map.colored[static_cast<std::size_t>(p)] != 0) colored.push_back(p);
+  }
+  Points points(3, static_cast<Index>(colored.size()));
+  Values colors(3, points.cols());
+  for (std::size_t k = 0; k < colored.size(); ++k) {
+    points.col(static_cast<Index>(k)) = map.points.col(colored[k]);
+    colors.col(static_cast<Index>(k)) = map.colors.col(colored[k]);
+  }
+  const Eigen::Isometry3f camera_from_map =
+      refinePose(points, colors, camera, image, view.map_from_camera).inverse().cast<float>();
+  SeenImage refined = seen;
+  for (std::size_t k = 0; k < seen.points.size(); ++k) {
+    const auto pixel = camera.project(camera_from_map * map.points.col(seen.points[k]));
+    if (pixel) refined.values.block<3, 1>(0, static_cast<Index>(k)) = bilinear(image, *pixel);
+  }
+  return refined;
+}
+
 double mean(const std::vector<float>& values) {
   return values.empty() ? std::nan("")
                         : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
@@ -206,9 +232,19 @@ double median(std::vector<float> values) {
   return *middle;
 }
 
-const std::vector<std::string> kHeader = {"method",         "points",           "mean",         "median",
-                                          "mean_with_gain", "median_with_gain", "mean_trimmed", "psnr",
-                                          "coverage",       "seam_step",        "moved_percent"};
+const std::vector<std::string> kHeader = {"method",
+                                          "points",
+                                          "mean",
+                                          "median",
+                                          "mean_with_gain",
+                                          "median_with_gain",
+                                          "mean_trimmed",
+                                          "mean_refined_pose",
+                                          "median_refined_pose",
+                                          "psnr",
+                                          "coverage",
+                                          "seam_step",
+                                          "moved_percent"};
 
 std::vector<std::string> cells(const std::string& method, const Errors& e) {
   const auto share = [](std::size_t part, std::size_t whole) {
@@ -222,6 +258,8 @@ std::vector<std::string> cells(const std::string& method, const Errors& e) {
           formatNumber(mean(e.after_gain), 3),
           formatNumber(median(e.after_gain), 3),
           formatNumber(mean(e.trimmed), 3),
+          formatNumber(mean(e.refined), 3),
+          formatNumber(median(e.refined), 3),
           formatNumber(10 * std::log10(255 * 255 / mse), 2),
           formatNumber(share(e.colored, e.visible), 4),
           formatNumber(e.seam / static_cast<double>(e.seam_pairs), 3),
@@ -261,7 +299,9 @@ void savePictures(const std::string& path, const ColoredMap& map, const SeenImag
   }
   cv::Mat3b bgr;
   cv::cvtColor(image, bgr, cv::COLOR_RGB2BGR);
-  const cv::Mat3b dark = bgr * 0.35, black(bgr.size(), cv::Vec3b(0, 0, 0));
+  const cv::Mat3b black(bgr.size(), cv::Vec3b(0, 0, 0));
+  cv::Mat3b dark;
+  bgr.convertTo(dark, CV_8U, 0.35);
   const cv::Mat left = besideEachOther({bgr, drawSeen(seen, predicted, use, black)}, {"image", map.method});
   const cv::Mat right = besideEachOther(
       {drawSeen(seen, predicted, use, dark), drawSeen(seen, colorScale(errors, 0, kWorstError), use, black)},
@@ -320,7 +360,11 @@ HeldoutResult scoreHeldout(const Recording& recording, const HeldoutParams& para
     const SeenImage seen =
         lookAtPoints(points, surfels, camera, view, image, recording.readMask(view.camera), params.params);
     const std::vector<std::uint8_t> moved = movedPoints(*median_map, seen, params.moved_error);
-    for (const ColoredMap& map : maps) errors[h].push_back(compare(map, seen, moved, neighbors));
+    for (const ColoredMap& map : maps) {
+      Errors found = compare(map, seen, moved, neighbors);
+      found.refined = compare(map, atRefinedPose(map, seen, camera, view, image), moved, {}).trimmed;
+      errors[h].push_back(std::move(found));
+    }
     savePictures(directory + "/view_" + std::to_string(heldout[h]) + ".png", maps.back(), seen, image);
     const std::lock_guard<std::mutex> lock(mutex);
     if (callbacks.progress) callbacks.progress({"held-out views", ++done, heldout.size(), 0, -1});

@@ -63,10 +63,13 @@ AlignmentInput alignmentInput(const TestBed& bed, const Params& params) {
 
 /// Poses and exposures by the alignment, on a sample of the points; visibility from all of them.
 AlignmentResult alignBed(const TestBed& bed, const Params& params) {
-  constexpr Index kSample = 60000;
+  constexpr std::size_t kViewsPerPoint = 8;  // as the runner has it
+  const auto wanted = static_cast<Index>(static_cast<std::size_t>(params.alignment.alignment_points) *
+                                         bed.poses.size() / kViewsPerPoint);
   AlignmentInput input = alignmentInput(bed, params);
   const Surfels surfels = estimateSurfels(bed.points, params.surfels);
-  const Index step = std::max<Index>(1, bed.points.cols() / kSample), count = bed.points.cols() / step;
+  const Index step = std::max<Index>(1, bed.points.cols() / std::max<Index>(1, wanted)),
+              count = bed.points.cols() / step;
   input.points.resize(3, count);
   input.surfels.normals.resize(3, count);
   input.surfels.radii.resize(count);
@@ -80,7 +83,7 @@ AlignmentResult alignBed(const TestBed& bed, const Params& params) {
   input.depth = [&](std::size_t, const Eigen::Isometry3d& pose) {
     return depthOf(bed.points, surfels, input.cameras[0], pose, params.depth);
   };
-  return align(input, AlignmentParams{}, Callbacks{});
+  return align(input, params.alignment, Callbacks{});
 }
 
 double gainError(const TestBed& bed, const std::vector<Exposure>& exposures) {
@@ -128,11 +131,13 @@ void colorByDefault(const TestBed& bed, const Params& params, MethodResult& resu
   const AlignmentResult aligned = alignBed(bed, params);
   std::vector<Eigen::Isometry3d> poses;
   std::vector<Exposure> exposures;
+  std::vector<float> weights;
   for (const ViewAlignment& view : aligned.views) {
     poses.push_back(view.map_from_camera);
     exposures.push_back(view.exposure);
+    weights.push_back(view.weight);
   }
-  colorByPreset(observeBed(bed, poses, exposures, params), Method::kDefault, params, result);
+  colorByPreset(observeBed(bed, poses, exposures, params, weights), Method::kDefault, params, result);
   result.reprojection_error = meanReprojectionError(bed, poses);
   result.gain_error = gainError(bed, exposures);
 }
@@ -140,7 +145,8 @@ void colorByDefault(const TestBed& bed, const Params& params, MethodResult& resu
 }  // namespace
 
 ObservedBed observeBed(const TestBed& bed, const std::vector<Eigen::Isometry3d>& poses,
-                       const std::vector<Exposure>& exposures, const Params& params) {
+                       const std::vector<Exposure>& exposures, const Params& params,
+                       const std::vector<float>& weights) {
   const auto start = Clock::now();
   const Camera camera(bed.intrinsics);
   const Surfels surfels = estimateSurfels(bed.points, params.surfels);
@@ -155,6 +161,7 @@ ObservedBed observeBed(const TestBed& bed, const std::vector<Eigen::Isometry3d>&
     observed.image = std::make_shared<const cv::Mat>(bed.images[v]);
     observed.depth = depths[v];
     if (!exposures.empty()) observed.exposure = exposures[v];
+    if (!weights.empty()) observed.weight = weights[v];
     return observed;
   };
   ObservedBed observed = seenOnly(bed, observe(bed.points, surfels, poses.size(), view, params.depth, params.observe));

@@ -24,9 +24,10 @@ struct ObservedBed {
   double seconds = 0;  ///< surfels, depth images and observation
 };
 
-/// Visibility and observation with the given poses, and exposures if any (one a view).
+/// Visibility and observation with the given poses, and exposures and weights if any (one a view).
 ObservedBed observeBed(const TestBed& bed, const std::vector<Eigen::Isometry3d>& poses,
-                       const std::vector<Exposure>& exposures, const Params& params);
+                       const std::vector<Exposure>& exposures, const Params& params,
+                       const std::vector<float>& weights = {});
 
 /// A fine grid about the points.
 ZOrderGrid gridOf(PointsRef points);

@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Micro-benchmarks of the stages, each on the points and images of a test bed: time a call, and points a second.
+#include <benchmark/benchmark.h>
+
+#include <map>
+
+#include "cloud_colorizer/evaluation/methods.hpp"
+#include "cloud_colorizer/fuse.hpp"
+#include "cloud_colorizer/system.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+/// Everything that the stages take, made once a size.
+struct Scene {
+  TestBed bed;
+  Surfels surfels;
+  ObservedBed observed;
+  Fused mean;
+  std::vector<std::uint64_t> keys;
+  OrderedGraph graph;
+  Gradients gradients;
+  Eigen::VectorXf data_weights;
+  LinearSystem system;
+};
+
+const Scene& sceneOf(std::int64_t num_points) {
+  static std::map<std::int64_t, Scene> scenes;
+  const auto known = scenes.find(num_points);
+  if (known != scenes.end()) return known->second;
+  TestBedParams params;
+  params.num_points = static_cast<std::size_t>(num_points);
+  params.num_views = 12;
+  Scene& scene = scenes[num_points];
+  scene.bed = addNoise(renderTestBed(bumpySphere(), params), NoiseParams{}, 1);
+  scene.surfels = estimateSurfels(scene.bed.points, SurfelParams{});
+  scene.observed = observeBed(scene.bed, scene.bed.poses, {}, Params{});
+  const ObservedBed& o = scene.observed;
+  scene.mean = fuseMean(o.observations);
+  scene.keys = zorderKeys(o.points, gridOf(o.points));
+  scene.graph = orderedZorderGraph(o.points, gridOf(o.points), GraphParams{});
+  scene.gradients = edgeGradients(scene.graph.edges, o.observations, 0);
+  scene.data_weights = dataWeights(o.points, scene.mean, scene.graph.edges, SystemParams{});
+  scene.system = assembleSystem(scene.graph.edges, scene.gradients.values, scene.mean.values, scene.data_weights, 1);
+  return scene;
+}
+
+template <class Stage>
+void measure(benchmark::State& state, const Stage& stage) {
+  const Scene& scene = sceneOf(state.range(0));
+  for (auto _ : state) benchmark::DoNotOptimize(stage(scene));
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+
+void zorderKeysOf(benchmark::State& state) {
+  measure(state, [](const Scene& s) { return zorderKeys(s.observed.points, gridOf(s.observed.points)); });
+}
+void zorderSortOf(benchmark::State& state) {
+  measure(state, [](const Scene& s) { return zorderSort(s.keys, zorderMask(1)); });
+}
+void edges(benchmark::State& state) {
+  measure(state, [](const Scene& s) {
+    return orderedZorderGraph(s.observed.points, gridOf(s.observed.points), GraphParams{}).edges.size();
+  });
+}
+void surfels(benchmark::State& state) {
+  measure(state, [](const Scene& s) { return estimateSurfels(s.bed.points, SurfelParams{}).radii.sum(); });
+}
+void depthImage(benchmark::State& state) {
+  measure(state, [](const Scene& s) {
+    const Camera camera(s.bed.intrinsics);
+    DepthSplatter splatter(camera, s.bed.poses[0].inverse().cast<float>(), DepthParams{});
+    splatter.add(s.bed.points, s.surfels);
+    return splatter.finish().depth.rows;
+  });
+}
+void observation(benchmark::State& state) {
+  measure(state, [](const Scene& s) { return observeBed(s.bed, s.bed.poses, {}, Params{}).seen.size(); });
+}
+void fusingRobust(benchmark::State& state) {
+  measure(state, [](const Scene& s) { return fuseRobust(s.observed.observations, 6).values.sum(); });
+}
+void gradientsOf(benchmark::State& state) {
+  measure(state,
+          [](const Scene& s) { return edgeGradients(s.graph.edges, s.observed.observations, 0).has_evidence.size(); });
+}
+void assembly(benchmark::State& state) {
+  measure(state, [](const Scene& s) {
+    return assembleSystem(s.graph.edges, s.gradients.values, s.mean.values, s.data_weights, 1).matrix.nonZeros();
+  });
+}
+void factor(benchmark::State& state) {
+  measure(state, [](const Scene& s) {
+    return Factorization(s.system.matrix, SolverKind::kCholmod, s.graph.elimination_order);
+  });
+}
+void solve(benchmark::State& state) {
+  const Scene& scene = sceneOf(state.range(0));
+  const Factorization factorization(scene.system.matrix, SolverKind::kCholmod, scene.graph.elimination_order);
+  for (auto _ : state) benchmark::DoNotOptimize(factorization.solve(scene.system.rhs).sum());
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+
+constexpr int kPoints = 200000;
+BENCHMARK(zorderKeysOf)->Arg(kPoints)->Unit(benchmark::kMillisecond);
+BENCHMARK(zorderSortOf)->Arg(kPoints)->Unit(benchmark::kMillisecond);
+BENCHMARK(edges)->Arg(kPoints)->Unit(benchmark::kMillisecond);
+BENCHMARK(surfels)->Arg(kPoints)->Unit(benchmark::kMillisecond);
+BENCHMARK(depthImage)->Arg(kPoints)->Unit(benchmark::kMillisecond);
+BENCHMARK(observation)->Arg(kPoints)->Unit(benchmark::kMillisecond);
+BENCHMARK(fusingRobust)->Arg(kPoints)->Unit(benchmark::kMillisecond);
+BENCHMARK(gradientsOf)->Arg(kPoints)->Unit(benchmark::kMillisecond);
+BENCHMARK(assembly)->Arg(kPoints)->Unit(benchmark::kMillisecond);
+BENCHMARK(factor)->Arg(kPoints)->Unit(benchmark::kMillisecond);
+BENCHMARK(solve)->Arg(kPoints)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace cloud_colorizer
+
+BENCHMARK_MAIN();

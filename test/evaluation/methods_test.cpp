@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_colorizer/evaluation/methods.hpp"
+
+#include <gtest/gtest.h>
+
+#include "cloud_colorizer/evaluation/neighbors.hpp"
+#include "cloud_colorizer/evaluation/tables.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+const TestBed& cleanBed() {
+  static const TestBed bed = [] {
+    TestBedParams params;
+    params.num_points = 6000;
+    params.num_views = 12;
+    params.width = 320;
+    params.height = 240;
+    params.focal_length = 375;
+    params.texture_frequency = 0.3;  // the points are few
+    return renderTestBed(bumpySphere(60), params);
+  }();
+  return bed;
+}
+
+Score scoreOf(const TestBed& bed, const std::string& method) {
+  const ObservedBed observed = observeBed(bed, bed.poses, {}, Params{});
+  const MethodResult result = colorizeArrays(bed, observed, method, Params{});
+  return scoreColors(bed.truth, result.values, result.colored);
+}
+
+TEST(Methods, EveryRowColoursTheCleanBedNearlyRight) {
+  for (const std::string& method : methodNames()) {
+    if (method == "default") continue;  // its alignment has its own tests
+    if (method.find("-NN") != std::string::npos && !hasNearestNeighbors()) continue;
+    if (method.rfind("DT", 0) == 0 && !hasDelaunay()) continue;
+    const Score score = scoreOf(cleanBed(), method);
+    EXPECT_GT(score.coverage, 0.98) << method;
+    EXPECT_LT(score.aep, 3) << method;
+  }
+}
+
+TEST(Methods, FourPassRowIsThePreset) {
+  const TestBed bed = addNoise(cleanBed(), NoiseParams{}, 1);
+  const ObservedBed observed = observeBed(bed, bed.poses, {}, Params{});
+  const Values a = colorizeArrays(bed, observed, "4-pass", Params{}).values;
+  const Values b = colorizeArrays(bed, observed, "paper", Params{}).values;
+  EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 1e-2);
+}
+
+TEST(Methods, PartWithoutAnchorIsWrongAsPlainAndRightWithOurRule) {
+  if (!hasNearestNeighbors()) GTEST_SKIP() << "built without nanoflann";
+  // Two clusters of four points far apart: 2-NN does not link them, and no random anchor falls on either.
+  Points points(3, 8);
+  points << 0, .1F, 0, .1F, 9, 9.1F, 9, 9.1F, 0, 0, .1F, .1F, 0, 0, .1F, .1F, 0, 0, 0, 0, 0, 0, 0, 0;
+  Observations observations;
+  for (std::uint32_t p = 0; p <= 8; ++p) observations.offsets.push_back(p);
+  observations.views.assign(8, 0);
+  observations.distances.assign(8, 1);
+  observations.weights.assign(8, 1);
+  observations.values = Values::Constant(3, 8, 120);
+  SystemParams params;
+  params.min_data_weight = 0;
+  params.anchor_share = 1e-9;
+  const Fused mean = fuseMean(observations);
+  const GraphSolution good = solveOnGraph("2-NN", points, observations, mean, params, Unanchored::kAnchored);
+  const GraphSolution plain = solveOnGraph("2-NN", points, observations, mean, params, Unanchored::kPlain);
+  EXPECT_LT((good.values.array() - 120).abs().maxCoeff(), 1e-3);
+  EXPECT_NEAR(good.unanchored_share, plain.unanchored_share, 0);
+  EXPECT_GE(plain.unanchored_share, 0.5);  // a chain gets one anchor, so at most one of the two parts has it
+  EXPECT_GT((plain.values.array() - 120).abs().maxCoeff(), 100);
+}
+
+TEST(Methods, UnknownGraphIsRefused) {
+  EXPECT_THROW(buildGraph("MST", Points(3, 0)), std::invalid_argument);
+  EXPECT_THROW(buildGraph("5-pass", Points(3, 0)), std::invalid_argument);
+}
+
+TEST(Methods, NothingSeenGivesNothing) {
+  const ObservedBed observed = observeBed(cleanBed(), {}, {}, Params{});
+  EXPECT_TRUE(observed.seen.empty());
+}
+
+TEST(Table, CsvQuotesAndMarkdownLines) {
+  Table table{{"a", "b"}, {}};
+  table.add({"1", "x, \"y\""});
+  EXPECT_EQ(csv(table), "a,b\n1,\"x, \"\"y\"\"\"\n");
+  EXPECT_EQ(markdown(table), "| a | b |\n|---|---|\n| 1 | x, \"y\" |\n");
+  EXPECT_EQ(table.columns({"b"}).rows[0][0], "x, \"y\"");
+  EXPECT_TRUE(table.where("a", "2").rows.empty());
+  EXPECT_THROW(table.add({"1"}), std::invalid_argument);
+  EXPECT_THROW(table.columns({"c"}), std::invalid_argument);
+  EXPECT_EQ(formatNumber(std::nan(""), 2), "-");
+}
+
+TEST(Tables, MissingMeshesAreAnError) {
+  EXPECT_THROW(loadMeshes("/nowhere"), std::runtime_error);
+  EXPECT_THROW(loadMeshes("/proc/self/fd"), std::runtime_error);  // a directory without a mesh
+  EXPECT_EQ(loadMeshes("").size(), 2U);
+}
+
+TEST(Tables, BarsTellWhatIsMissed) {
+  Table table1{{"mesh", "noise", "method", "aep", "seconds", "unanchored_percent"}, {}};
+  table1.add({"m", "both", "5-NN plain", "9", "1", "0.1"});
+  table1.add({"m", "both", "5-NN", "8", "1", "0.1"});
+  table1.add({"m", "both", "20-NN", "8", "10", "0"});
+  table1.add({"m", "both", "4-pass", "9", "1", "0"});
+  table1.add({"m", "both", "default", "2", "1", "0"});
+  Table table2{{"graph", "solver", "points", "status", "total_s"}, {}};
+  table2.add({"4-pass", "CHOLMOD", "1000", "ok", "1"});
+  table2.add({"20-NN", "SuiteSparseQR", "1000", "time limit", "-"});
+  table2.add({"4-pass", "SuiteSparseQR", "1000", "ok", "2"});
+  const auto bars = checkBars(table1, table2);
+  ASSERT_EQ(bars.size(), 5U);
+  EXPECT_EQ(bars[0].rfind("MISSED", 0), 0U) << bars[0];  // 9 is more than 5 % above 8
+  EXPECT_EQ(bars[1].rfind("met", 0), 0U) << bars[1];
+  EXPECT_EQ(bars[2].rfind("met", 0), 0U) << bars[2];
+  EXPECT_EQ(bars[3].rfind("met", 0), 0U) << bars[3];
+  EXPECT_EQ(bars[4].rfind("MISSED", 0), 0U) << bars[4];
+}
+
+}  // namespace
+}  // namespace cloud_colorizer
