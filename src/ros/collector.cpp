@@ -342,6 +342,9 @@ struct Collector::Impl {
     view.id = *camera.id;
     view.intrinsics = camera.intrinsics;
     // In integers: a double of today's seconds is 0.2 us coarse, and the last transform is at the image's exact stamp.
+    if (image.header.stamp.toSec() + camera.params.time_offset <= 0) {
+      throw Refused{Outcome::kNoStamp, "the stamp with the time offset is before time 0"};
+    }
     const ros::Time stamp = image.header.stamp + ros::Duration(camera.params.time_offset);
     view.stamp = stamp.toSec();
     view.map_from_camera = lookUp(map_frame, withoutSlash(image.header.frame_id), stamp);

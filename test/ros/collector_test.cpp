@@ -230,6 +230,14 @@ TEST_F(CollectorTest, TimeOffsetMovesThePose) {
   EXPECT_NEAR(recording.views()[0].stamp, 10.75, 1e-6);
 }
 
+TEST_F(CollectorTest, TimeOffsetBeforeTheBeginOfTimeIsRefused) {
+  params_.cameras[0].time_offset = -1;
+  drive(0.1, 1);
+  addInfo();
+  addImage(0.5);
+  EXPECT_EQ(imageCount(Outcome::kNoStamp), 1U);
+}
+
 TEST_F(CollectorTest, CompressedBytesAreKeptAsReceived) {
   drive(10, 11);
   addInfo();
