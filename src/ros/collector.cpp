@@ -108,8 +108,8 @@ void CollectorParams::check() const {
   requireInRange("tf_wait", tf_wait, 0.0, 3600.0);
   requireInRange("tf_cache", tf_cache, 1.0, 86400.0);
   require<Invalid>(tf_cache > tf_wait, "parameter tf_cache = ", tf_cache, " must exceed tf_wait = ", tf_wait);
-  require<Invalid>(raw_image_format == "png" || raw_image_format == "ppm", "parameter raw_image_format = \"",
-                   raw_image_format, "\" must be one of: png, ppm");
+  require<Invalid>(raw_image_format == "png" || raw_image_format == "ppm" || raw_image_format == "jpg",
+                   "parameter raw_image_format = \"", raw_image_format, "\" must be one of: ppm, png, jpg");
   requireInRange("encode_threads", encode_threads, 1, 64);
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const std::string name = "camera_" + std::to_string(i) + "/time_offset";
@@ -232,10 +232,10 @@ struct Collector::Impl {
   // ---- transforms ----
 
   /// At exactly `stamp`. Throws NotYet with tf's reason.
-  Isometry lookUp(const std::string& target, const std::string& source, double stamp) const {
+  Isometry lookUp(const std::string& target, const std::string& source, ros::Time stamp) const {
     if (target == source) return Isometry::Identity();
     try {
-      return isometryFromMessage(buffer.lookupTransform(target, source, ros::Time(stamp)).transform);
+      return isometryFromMessage(buffer.lookupTransform(target, source, stamp).transform);
     } catch (const tf2::ConnectivityException& error) {
       throw NotYet{{Outcome::kNoTransform, std::string(error.what()) + " Is ~map_frame (" + map_frame + ") right?"}};
     } catch (const tf2::TransformException& error) {
@@ -252,7 +252,7 @@ struct Collector::Impl {
 
   void recordCloud(const sensor_msgs::PointCloud2& message) {
     checkHeader(message.header);
-    const double stamp = message.header.stamp.toSec();
+    const ros::Time stamp = message.header.stamp;
     const std::string frame = withoutSlash(message.header.frame_id);
     const std::string sensor = sensor_frame.empty() ? frame : sensor_frame;
     const Isometry map_from_sensor = lookUp(map_frame, sensor, stamp);
@@ -341,8 +341,13 @@ struct Collector::Impl {
     view.camera = static_cast<std::size_t>(&camera - cameras.data());
     view.id = *camera.id;
     view.intrinsics = camera.intrinsics;
-    view.stamp = image.header.stamp.toSec() + camera.params.time_offset;
-    view.map_from_camera = lookUp(map_frame, withoutSlash(image.header.frame_id), view.stamp);
+    // In integers: a double of today's seconds is 0.2 us coarse, and the last transform is at the image's exact stamp.
+    if (image.header.stamp.toSec() + camera.params.time_offset <= 0) {
+      throw Refused{Outcome::kNoStamp, "the stamp with the time offset is before time 0"};
+    }
+    const ros::Time stamp = image.header.stamp + ros::Duration(camera.params.time_offset);
+    view.stamp = stamp.toSec();
+    view.map_from_camera = lookUp(map_frame, withoutSlash(image.header.frame_id), stamp);
     if (!isKeyframe(camera, view.map_from_camera)) return Outcome::kNotKeyframe;
 
     const cv::Size size = inspect(image, view.extension);

@@ -30,8 +30,8 @@ int main(int argc, char** argv) {
   ros::init(argc, argv, "colorizer_node", ros::init_options::NoSigintHandler);
   signal(SIGINT, countRequest);
   signal(SIGTERM, countRequest);
+  ros::NodeHandle node, private_node("~");  // outside: the console is silent after the last handle is gone
   try {
-    ros::NodeHandle node, private_node("~");
     cloud_colorizer::ColorizerNode colorizer(node, private_node, cloud_colorizer::loadParams());
     while (ros::ok() && stop_requests == 0) ros::WallDuration(0.05).sleep();
     const int seen = stop_requests;

@@ -221,9 +221,10 @@ cv::Mat imageFromMessage(const sensor_msgs::Image& message) {
 
 EncodedImage encodeImage(const cv::Mat& image, const std::string& format) {
   EncodedImage result;
-  result.extension = format == "png" ? "png" : image.channels() == 1 ? "pgm" : "ppm";
-  const std::vector<int> options =
-      format == "png" ? std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 1} : std::vector<int>{};
+  result.extension = format;
+  if (format == "ppm" && image.channels() == 1) result.extension = "pgm";
+  if (format == "jpg" && image.depth() == CV_16U) result.extension = "png";
+  const std::vector<int> options = {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_JPEG_QUALITY, 95};
   require(cv::imencode("." + result.extension, image, result.bytes, options), "OpenCV cannot encode a ", image.cols,
           " x ", image.rows, " image as ", result.extension);
   return result;

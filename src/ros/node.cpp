@@ -144,7 +144,8 @@ struct ColorizerNode::Impl {
                                            [i](Collector& to, const auto& message) { to.addCameraInfo(i, message); });
       // As image_transport does, so that remapping camera_i/image is enough for either kind.
       const std::string image = node.resolveName(camera + "/image");
-      if (params.node.image_transport == "compressed") {
+      const std::string& own = params.node.camera_transports[i];
+      if ((own.empty() ? params.node.image_transport : own) == "compressed") {
         subscribeTo<sensor_msgs::CompressedImage>(image + "/compressed", true,
                                                   [i](Collector& to, const auto& message) { to.addImage(i, message); });
       } else {

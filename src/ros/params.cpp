@@ -104,6 +104,10 @@ void checkAllowed(const char* name, const std::string& value, const std::vector<
 void NodeParams::check() const {
   collector.check();
   checkAllowed("image_transport", image_transport, {"raw", "compressed"});
+  for (std::size_t i = 0; i < camera_transports.size(); ++i) {
+    const std::string name = "camera_" + std::to_string(i) + "/image_transport";
+    checkAllowed(name.c_str(), camera_transports[i], {"", "raw", "compressed"});
+  }
   requireInRange("colorize_after", colorize_after, 0.0, 1e9);
   requireInRange("queue_size", queue_size, 1, 100000);
   requireInRange("preview_voxel_size", preview_voxel_size, 1e-3, 1e3);
@@ -138,6 +142,7 @@ AllParams paramsFromText(const std::map<std::string, std::string>& texts) {
   if (rest.count("num_cameras") != 0) readText("num_cameras", rest["num_cameras"], num_cameras);
   requireInRange("num_cameras", num_cameras, 0, kMaxCameras);
   params.node.collector.cameras.resize(static_cast<std::size_t>(num_cameras));
+  params.node.camera_transports.resize(static_cast<std::size_t>(num_cameras));
   rest.erase("num_cameras");
 
   std::vector<std::string> known = {"num_cameras"};

@@ -3,10 +3,10 @@
 
 #include "cloud_colorizer/ros/collector.hpp"
 
-#include <boost/make_shared.hpp>
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <boost/make_shared.hpp>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
@@ -120,6 +120,22 @@ TEST_F(CollectorTest, CloudIsPlacedByTheTransformAtItsExactStamp) {
   EXPECT_LT((recording.readPoints(0).col(0) - expected).norm(), 1e-4F);
 }
 
+/// Today's seconds in a double are 0.2 us coarse; rounded up, they would lie behind the last transform.
+TEST_F(CollectorTest, StampsOfTodayAreExact) {
+  addInfo();
+  for (int i = 0; i < 50; ++i) {
+    auto transform = transformMessage("map", "base", 0, i);
+    auto image = imageMessage("mono8", 8, 6, {1, 2});
+    transform.transforms[0].header.stamp = ros::Time(1763800000 + i, 123456789U + 7U * static_cast<unsigned>(i));
+    collector().addTransforms(transform, false);
+    image.header.stamp = transform.transforms[0].header.stamp;
+    image.header.frame_id = "camera";
+    collector().addImage(0, boost::make_shared<sensor_msgs::Image>(image));
+    collector().process();
+    EXPECT_EQ(imageCount(Outcome::kKept), static_cast<std::size_t>(i + 1));
+  }
+}
+
 TEST_F(CollectorTest, LateTransformIsWaitedFor) {
   drive(10, 10.2);
   addCloud(10.35);
@@ -212,6 +228,14 @@ TEST_F(CollectorTest, TimeOffsetMovesThePose) {
   ASSERT_EQ(recording.views().size(), 1U);
   EXPECT_NEAR(recording.views()[0].map_from_camera.translation().x(), 10.75, 1e-6);
   EXPECT_NEAR(recording.views()[0].stamp, 10.75, 1e-6);
+}
+
+TEST_F(CollectorTest, TimeOffsetBeforeTheBeginOfTimeIsRefused) {
+  params_.cameras[0].time_offset = -1;
+  drive(0.1, 1);
+  addInfo();
+  addImage(0.5);
+  EXPECT_EQ(imageCount(Outcome::kNoStamp), 1U);
 }
 
 TEST_F(CollectorTest, CompressedBytesAreKeptAsReceived) {

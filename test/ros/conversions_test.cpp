@@ -346,6 +346,8 @@ TEST(EncodeImage, IsLossless) {
     }
   }
   EXPECT_EQ(encodeImage(grey, "ppm").extension, "pgm");
+  EXPECT_EQ(encodeImage(grey, "jpg").extension, "jpg");
+  EXPECT_EQ(encodeImage(deep, "jpg").extension, "png");
 }
 
 }  // namespace

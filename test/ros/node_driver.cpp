@@ -21,7 +21,9 @@
 
 #include "cloud_colorizer/io.hpp"
 #include "cloud_colorizer/recording.hpp"
+#include "cloud_colorizer/ros/bag_source.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
+#include "cloud_colorizer/ros/params.hpp"
 #include "ros/small_bag.hpp"
 
 namespace cloud_colorizer {
@@ -237,6 +239,37 @@ TEST_F(NodeTest, RawImagesColourPublishAndSave) {
   EXPECT_EQ(process_->stop(SIGINT), 0) << process_->log();
 }
 
+/// A bag replayed by rosbag through the node gives the recording that the collector makes of the bag directly.
+TEST_F(NodeTest, ReplayedBagGivesTheRecordingOfTheBag) {
+  for (ros::Publisher* publisher : {&cloud_, &tf_, &static_tf_}) publisher->shutdown();
+  const std::string bag = directory_ + "/drive.bag";
+  drive_.period = 0.5;
+  drive_.write(bag);
+  BagSource source({bag});
+  const AllParams params = paramsFromText({{"num_cameras", "2"}, {"voxel_size", "0.08"}});
+  Recorder recorder(directory_ + "/direct", "map", params.core.record);
+  Collector collector(recorder, params.node.collector, {});
+  source.play(guessRig(source.topics()), 2, collector, {});
+  const Recording direct = recorder.snapshot();
+  ASSERT_EQ(direct.views().size(), 2 * drive_.num_frames);
+
+  process_ = std::make_unique<NodeProcess>(
+      Args{"_num_cameras:=2", "_camera_0/image_transport:=compressed", "_voxel_size:=0.08",
+           "_recording_dir:=" + directory_ + "/recording", "cloud_in:=/points"},
+      directory_ + "/log");
+  ASSERT_TRUE(waitFor([] { return ros::service::exists("colorizer/colorize", false); })) << process_->log();
+  ASSERT_EQ(std::system(("rosbag play --quiet --delay 1 --clock --rate 2 " + bag + " > /dev/null").c_str()), 0);
+  ASSERT_TRUE(waitForViews(2 * drive_.num_frames)) << process_->log();
+  EXPECT_EQ(process_->stop(SIGINT), 0);
+  const Recording replayed = Recording::open(directory_ + "/recording");
+  ASSERT_EQ(replayed.numPoints(), direct.numPoints());
+  ASSERT_EQ(replayed.tiles().size(), direct.tiles().size());
+  for (std::size_t tile = 0; tile < direct.tiles().size(); ++tile) {
+    EXPECT_EQ(replayed.readPoints(tile), direct.readPoints(tile));
+  }
+  EXPECT_EQ(process_->log().find("WARN"), std::string::npos) << process_->log();
+}
+
 TEST_F(NodeTest, FullDiskIsReportedAndTheMapStays) {
   const std::string small = directory_ + "/small";
   std::filesystem::create_directory(small);
@@ -341,6 +374,7 @@ TEST_F(NodeTest, ParameterOutOfRangeStopsTheStart) {
 TEST_F(NodeTest, SavePathThatCannotBeWrittenStopsTheStart) {
   NodeProcess process({"_save_path:=/no/such/place.ply"}, directory_ + "/log");
   EXPECT_EQ(process.wait(), 1);
+  EXPECT_NE(process.log().find("FATAL"), std::string::npos) << process.log();
   EXPECT_NE(process.log().find("/no/such"), std::string::npos) << process.log();
 }
 

@@ -54,7 +54,8 @@ void checkImage(const sensor_msgs::Image& message);
 /// bgr16, yuv422, yuv422_yuy2, bayer_*8, bayer_*16, 8UC1, 8UC3, 16UC1.
 cv::Mat imageFromMessage(const sensor_msgs::Image& message);
 
-/// Encodes without loss: `format` png (compressed as fast as possible) or ppm (stored; grey becomes pgm).
+/// `format`: ppm (stored as it is; grey becomes pgm), png (compressed as fast as possible), both without loss; or jpg
+/// (quality 95; 16-bit images become png).
 struct EncodedImage {
   std::vector<std::uint8_t> bytes;
   std::string extension;

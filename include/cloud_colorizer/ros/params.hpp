@@ -21,10 +21,11 @@ struct NodeParams {
   std::string recording_dir;            ///< empty: a new one below $ROS_HOME/cloud_colorizer
   std::string save_path;                ///< empty: nothing is saved on shutdown
   std::string image_transport = "raw";  ///< raw or compressed
-  double colorize_after = 0;            ///< s without any message after which the map is coloured; 0: never
-  int queue_size = 40;                  ///< messages of a topic that wait to be recorded
-  double preview_voxel_size = 0.25;     ///< m
-  double preview_period = 1;            ///< s between two previews while recording; 0: no preview
+  std::vector<std::string> camera_transports = std::vector<std::string>(1);  ///< by camera; empty: image_transport
+  double colorize_after = 0;         ///< s without any message after which the map is coloured; 0: never
+  int queue_size = 40;               ///< messages of a topic that wait to be recorded
+  double preview_voxel_size = 0.25;  ///< m
+  double preview_period = 1;         ///< s between two previews while recording; 0: no preview
   int max_preview_points = 500000;
   int max_published_points = 5000000;  ///< of colored_map; beyond it every k-th point is published
 
@@ -38,7 +39,8 @@ void visitCollectorParams(CollectorParamsT& p, F&& f) {
   f("sensor_frame", p.sensor_frame, "frame from which ranges are measured; empty: that of the cloud");
   f("tf_wait", p.tf_wait, "s of message time that a cloud or an image waits for its transform");
   f("tf_cache", p.tf_cache, "s of transforms that are kept");
-  f("raw_image_format", p.raw_image_format, "png (smaller) or ppm (faster): how raw images are stored");
+  f("raw_image_format", p.raw_image_format,
+    "ppm (fast), png (half the size, slow) or jpg (small, lossy): how raw images are kept");
   f("encode_threads", p.encode_threads, "threads that encode raw images");
   for (std::size_t i = 0; i < p.cameras.size(); ++i) {
     const std::string prefix = "camera_" + std::to_string(i) + "/";
@@ -62,6 +64,10 @@ void visitNodeParams(NodeParamsT& p, F&& f) {
   f("max_preview_points", p.max_preview_points, "points of colored_map_preview; the newest stay");
   f("max_published_points", p.max_published_points, "points of colored_map; of a larger map every k-th is published");
   visitCollectorParams(p.collector, f);
+  for (std::size_t i = 0; i < p.camera_transports.size(); ++i) {
+    const std::string name = "camera_" + std::to_string(i) + "/image_transport";
+    f(name.c_str(), p.camera_transports[i], "raw or compressed, for this camera; empty: as image_transport");
+  }
 }
 
 /// Sets those of `texts` that are parameters of collecting, and removes them from it.
