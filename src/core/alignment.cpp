@@ -31,7 +31,7 @@ constexpr double kMaxPriorSigmas = 6;   // a larger correction is refused
 void checkInput(const AlignmentInput& input) {
   require<std::invalid_argument>(
       input.surfels.radii.size() == input.points.cols() && input.surfels.normals.cols() == input.points.cols() &&
- (input.surfels.offsets.size() == 0 || input.surfels.offsets.size() == input.points.cols()),
+          (input.surfels.offsets.size() == 0 || input.surfels.offsets.size() == input.points.cols()),
       "alignment: ", input.points.cols(), " points but ", input.surfels.radii.size(), " surfels");
   require<std::invalid_argument>(input.intensity.size() == 0 || input.intensity.size() == input.points.cols(),
                                  "alignment: ", input.points.cols(), " points but ", input.intensity.size(),
@@ -212,8 +212,7 @@ void Aligner::findClocks() {
     if (rounds.time_stddevs[c] > 0.9 * params_.time_offset_prior) continue;  // nothing moves
     camera.time_offset = state.time_offsets[c];
     camera.time_offset_stddev = rounds.time_stddevs[c];
-    camera.time_offset_suspect =
-        std::abs(camera.time_offset) > std::max(kSuspect, 4 * camera.time_offset_stddev);
+    camera.time_offset_suspect = std::abs(camera.time_offset) > std::max(kSuspect, 4 * camera.time_offset_stddev);
   }
   if (params_.align_time_offset) state_ = state;
 }
@@ -225,8 +224,7 @@ void Aligner::refine() {
     poll("align poses", level, sigmas.size());
     look(false);
     const BlurredImages images(input_, sigmas[level]);
-    const PoseData data{&input_,    &tracks_,      &images,
-                        &log_gains_, sigmas[level], ranks_.size() > 0 ? &ranks_ : nullptr};
+    const PoseData data{&input_, &tracks_, &images, &log_gains_, sigmas[level], ranks_.size() > 0 ? &ranks_ : nullptr};
     updateGains(data);
     const PoseRounds rounds = refinePoses(data, priors_, params_.alignment_rounds, input_.num_threads, state_);
     if (!callbacks_.log) continue;
@@ -242,7 +240,8 @@ void Aligner::refine() {
 // Median distance of each view's observations to their points' medians, and of all.
 std::vector<float> Aligner::residuals(const PoseState& state, double sigma, std::vector<float>& by_view) const {
   const BlurredImages images(input_, sigma);
-  const GreyValues grey = greyValues({&input_, &tracks_, &images, &log_gains_, sigma, nullptr}, state, input_.num_threads);
+  const GreyValues grey =
+      greyValues({&input_, &tracks_, &images, &log_gains_, sigma, nullptr}, state, input_.num_threads);
   const std::vector<float> medians = pointMedians(tracks_, grey.values, grey.weights);
   std::vector<float> all;
   by_view.assign(tracks_.numViews(), 0);

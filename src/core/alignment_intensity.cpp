@@ -1,20 +1,19 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/alignment/intensity.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "cloud_colorizer/alignment/gains.hpp"
+#include "cloud_colorizer/alignment/intensity.hpp"
 
 namespace cloud_colorizer::alignment {
 namespace {
 
 constexpr int kBins = 16;
-constexpr int kMinInBlock = 8;         // observations that make a local mean
-constexpr double kEvidenceShare = 0.3;  // the two quantities differ by whole patches, not by points
-constexpr float kClipLevels = 40;      // grey levels from the local mean: beyond is an outlier
+constexpr int kMinInBlock = 8;        // observations that make a local mean
+constexpr double kEvidenceShare = 1;  // on top of that of the observations themselves
+constexpr float kClipLevels = 40;     // grey levels from the local mean: beyond is an outlier
 
 using Vector6f = Eigen::Matrix<float, 6, 1>;
 
@@ -121,7 +120,7 @@ Eigen::VectorXf intensityRanks(const Eigen::VectorXf& intensity) {
   return ranks;
 }
 
-IntensityTerm intensityTerm(const Tracks& tracks, const Samples& samples, const Eigen::VectorXf& ranks, float& noise,
+IntensityTerm intensityTerm(const Tracks& tracks, const Samples& samples, const Eigen::VectorXf& ranks,
                             int num_threads) {
   const std::size_t count = tracks.numObservations(), num_views = tracks.numViews();
   IntensityTerm term;
@@ -133,19 +132,18 @@ IntensityTerm intensityTerm(const Tracks& tracks, const Samples& samples, const 
   const BinMeans bins = explain(relative);
   if (!(bins.total_sum > 0)) return term;
   term.explained = bins.explained_sum / bins.total_sum;
-  if (!(noise > 0)) {
-    noise = std::max(1.0F, static_cast<float>(std::sqrt((bins.total_sum - bins.explained_sum) / bins.weight)));
-  }
-  const double factor = kEvidenceShare / (noise * noise);
-  term.cost = -0.5 * factor * bins.explained_sum;
+  const double unexplained = std::max(1 - term.explained, 1e-3);
+  const double noise2 = std::max(1.0, unexplained * bins.total_sum / bins.weight);  // grey levels squared
+  term.cost = 0.5 * kEvidenceShare * bins.weight * std::log(unexplained);
+  const double factor = kEvidenceShare / noise2, explained = term.explained;
   parallelFor(num_threads, num_views, [&](std::size_t v) {
     for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) {
       const double w = factor * relative.weights[k];
       if (!(w > 0)) continue;
       const Twist jacobian = relative.jacobians[k].cast<double>();
-      term.gradients[v] -= w * bins(relative.ranks[k]) * jacobian;
+      term.gradients[v] += w * (explained * relative.values[k] - bins(relative.ranks[k])) * jacobian;
       // Only the explained part of the grey level moves with the intensity.
-      term.hessians[v] += (w * term.explained) * jacobian * jacobian.transpose();
+      term.hessians[v] += (w * explained) * jacobian * jacobian.transpose();
     }
   });
   return term;

@@ -12,11 +12,12 @@
 namespace cloud_colorizer::alignment {
 namespace {
 
-constexpr float kMinScale = 1;       // grey levels: residuals below it are as good as none
-constexpr double kEdgeMargin = 1.5;  // sigmas of the blur to keep away from depth edges
-constexpr double kCellSigmas = 3.5;  // a square of this side is one independent observation
-constexpr double kMinCell = 8;       // px
-constexpr double kBlockSigmas = 10;  // side of the blocks that local means are taken in
+constexpr float kMinScale = 1;          // grey levels: residuals below it are as good as none
+constexpr double kEdgeMargin = 1.5;     // sigmas of the blur to keep away from depth edges
+constexpr double kCellSigmas = 3.5;     // a square of this side is one independent observation
+constexpr double kMinCell = 8;          // px
+constexpr float kEvidenceShare = 0.3F;  // what images get wrong together (shading, geometry) is no noise
+constexpr double kBlockSigmas = 10;     // side of the blocks that local means are taken in
 constexpr double kBlocksAcross = 16;
 
 using Matrix = Eigen::SparseMatrix<double>;
@@ -98,8 +99,9 @@ Samples sampleAll(const PoseData& data, const PoseState& state, int num_threads)
   const std::size_t count = tracks.numObservations();
   Samples samples;
   samples.blocks.assign(count, 0);
-  Equations<6>& equations = samples.equations = {std::vector<float>(count, 0), std::vector<float>(count, 0),
-                         std::vector<Eigen::Matrix<float, 6, 1>>(count, Eigen::Matrix<float, 6, 1>::Zero())};
+  Equations<6>& equations =
+      samples.equations = {std::vector<float>(count, 0), std::vector<float>(count, 0),
+                           std::vector<Eigen::Matrix<float, 6, 1>>(count, Eigen::Matrix<float, 6, 1>::Zero())};
   parallelFor(num_threads, tracks.numViews(), [&](std::size_t v) {
     if (tracks.offsets[v] == tracks.offsets[v + 1]) return;
     const ViewSampler sampler(data, v, state.views[v]);
@@ -116,7 +118,7 @@ Samples sampleAll(const PoseData& data, const PoseState& state, int num_threads)
       samples.blocks[k] = blockOf(sample.pixel, side, intrinsics.width);
       cells.add(sample.pixel);
     }
-    const float share = cells.share() * (getenv("KAPPA") ? (float)atof(getenv("KAPPA")) : 1.0f);
+    const float share = cells.share() * kEvidenceShare;
     for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) equations.weights[k] *= share;
   });
   return samples;
@@ -152,7 +154,6 @@ struct Evaluation {
   double cost = 0;         // mean a unit of weight, times the weight of the first evaluation; without priors
   double weight = 0;
   float scale = 0, residual = 0;  // grey levels
-  float noise = 0;                // grey levels, of the intensity term
   IntensityTerm intensity;
 };
 
@@ -163,8 +164,7 @@ Evaluation evaluate(const PoseData& data, const PoseState& state, const Evaluati
   const double weight = like.weight;
   Evaluation result;
   Samples samples = sampleAll(data, state, num_threads);
-  result.noise = like.noise;
-  if (data.ranks) result.intensity = intensityTerm(tracks, samples, *data.ranks, result.noise, num_threads);
+  if (data.ranks) result.intensity = intensityTerm(tracks, samples, *data.ranks, num_threads);
   Equations<6>& equations = result.equations = std::move(samples.equations);
   const std::vector<float> medians = pointMedians(tracks, equations.values, equations.weights);
   std::vector<float> residuals = residualsTo(tracks, equations, medians);
@@ -271,7 +271,8 @@ System assembleSystem(const PoseData& data, const Evaluation& evaluation, const 
     const auto base = static_cast<int>(6 * v);
     system.gradient.segment<6>(base) += evaluation.intensity.gradients[v];
     for (int r = 0; r < 6; ++r) {
-      for (int c = 0; c <= r; ++c) normal.lower.emplace_back(base + r, base + c, evaluation.intensity.hessians[v](r, c));
+      for (int c = 0; c <= r; ++c)
+        normal.lower.emplace_back(base + r, base + c, evaluation.intensity.hessians[v](r, c));
     }
   }
   system.data_diagonal = Eigen::VectorXd::Zero(terms.size());
@@ -362,9 +363,8 @@ GreyValues greyValues(const PoseData& data, const PoseState& state, int num_thre
 StateCost stateCost(const PoseData& data, const PoseState& state, const StateCost& like, int num_threads) {
   Evaluation scales;
   scales.scale = like.scale;
-  scales.noise = like.noise;
   const Evaluation evaluation = evaluate(data, state, scales, num_threads);
-  return {evaluation.weight > 0 ? evaluation.cost / evaluation.weight : 0, evaluation.scale, evaluation.noise};
+  return {evaluation.weight > 0 ? evaluation.cost / evaluation.weight : 0, evaluation.scale};
 }
 
 double searchTimeOffset(const PoseData& data, const PosePriors& priors, const PoseState& state, int num_threads) {

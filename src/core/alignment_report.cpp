@@ -31,7 +31,8 @@ double gain(const ViewAlignment& view, Eigen::Index channel) {
 }
 
 cv::Point toPixel(const Curve& curve, std::size_t i, double low, double high) {
-  const double share = curve.values.size() > 1 ? static_cast<double>(i) / static_cast<double>(curve.values.size() - 1) : 0.5;
+  const double share =
+      curve.values.size() > 1 ? static_cast<double>(i) / static_cast<double>(curve.values.size() - 1) : 0.5;
   const double height = (curve.values[i] - low) / (high - low);
   return {kMargin + static_cast<int>(share * (kWidth - 2 * kMargin)),
           kPanel - 12 - static_cast<int>(height * (kPanel - 40))};

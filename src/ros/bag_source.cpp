@@ -71,6 +71,7 @@ class TransformReader {
 
   /// All that were received up to `lead` after `time`, but not past a step back of their stamps.
   void readTo(ros::Time time) {
+    if (time > ros::TIME_MAX - lead_) time = ros::TIME_MAX - lead_;
     for (; next_ != view_->end() && next_->getTime() <= time + lead_; ++next_) {
       const auto message = next_->instantiate<tf2_msgs::TFMessage>();
       if (!message) continue;
@@ -184,6 +185,7 @@ void BagSource::play(const Rig& rig, double tf_lead, Collector& collector, const
       collector.process();
       progress.advance(pointsSeen(collector.stats()));
     }
+    tf.readTo(ros::TIME_MAX);
   });
   collector.finish();
 }

@@ -4,6 +4,9 @@
 #include <ros/ros.h>
 #include <signal.h>
 
+#include <iostream>
+#include <string>
+
 #include "cloud_colorizer/ros/node.hpp"
 
 namespace {
@@ -18,7 +21,12 @@ void countRequest(int) {
 
 /// The first SIGINT or SIGTERM stops recording (and colours and saves, with ~save_path); the second gives up on that.
 /// roslaunch sends SIGTERM 15 s after SIGINT and SIGKILL 2 s later: for a large map start it with --sigint-timeout.
+/// `colorizer_node --defaults` prints all parameters and needs no roscore.
 int main(int argc, char** argv) {
+  if (argc == 2 && (std::string(argv[1]) == "--defaults" || std::string(argv[1]) == "--help")) {
+    std::cout << cloud_colorizer::defaultsAsYaml();
+    return 0;
+  }
   ros::init(argc, argv, "colorizer_node", ros::init_options::NoSigintHandler);
   signal(SIGINT, countRequest);
   signal(SIGTERM, countRequest);

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <limits>
 #include <sstream>
 
@@ -168,6 +169,18 @@ std::vector<ParamText> describeAllParams(const AllParams& params) {
   });
   for (const ParamText& row : describeParams(params.core)) rows.push_back(row);
   return rows;
+}
+
+std::string defaultsAsYaml() {
+  std::ostringstream out;
+  out << "# All parameters of colorizer_node with their defaults; made by `colorizer_node --defaults`, a test "
+         "compares.\n"
+      << "# Every camera has its own camera_<i>/... .\n";
+  for (const ParamText& row : describeAllParams(AllParams())) {
+    out << std::left << std::setw(32) << row.name + ": " + (row.value.empty() ? "\"\"" : row.value) << " # " << row.help
+        << '\n';
+  }
+  return out.str();
 }
 
 std::map<std::string, std::string> flattenParams(const XmlRpc::XmlRpcValue& value) {

@@ -24,7 +24,7 @@ AlignmentParams looseParams() {
 TEST(Alignment, KnownPoseErrorIsRecovered) {
   ReliefViews scene(8);
   scene.disturbPoses(0.4, 0.01, 1);
-  scene.render(2);
+  scene.render(1);
   const double before = scene.meanError(scene.poses);
   const AlignmentResult result = align(scene.input(), looseParams(), {});
   EXPECT_GT(before, 1.0);
@@ -36,7 +36,7 @@ TEST(Alignment, KnownPoseErrorIsRecovered) {
 
 TEST(Alignment, ExactDataAreUnharmed) {
   ReliefViews scene(8);
-  scene.render(2);
+  scene.render(1);
   const AlignmentResult result = align(scene.input(), {}, {});
   EXPECT_LT(scene.meanError(result), 0.1);
   for (const ViewAlignment& view : result.views) {

@@ -29,7 +29,9 @@ struct Relief {
     return k;
   }
 
-  static double heightAt(double x, double y) { return 0.25 * std::sin(1.7 * x) * std::cos(1.3 * y) + 0.1 * std::sin(3 * y); }
+  static double heightAt(double x, double y) {
+    return 0.25 * std::sin(1.7 * x) * std::cos(1.3 * y) + 0.1 * std::sin(3 * y);
+  }
 
   Eigen::Vector3d colorAt(double x, double y) const {
     const double a = std::sin(9 * x + 2 * std::sin(3 * y)) * std::sin(8 * y + 1.5 * std::cos(4 * x));
@@ -71,10 +73,9 @@ struct Relief {
   /// Looks down from above, a little tilted.
   static Eigen::Isometry3d poseAbove(double x, double y, double tilt_x, double tilt_y) {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    pose.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal() *
-                    (Eigen::AngleAxisd(tilt_x, Eigen::Vector3d::UnitX()) *
-                     Eigen::AngleAxisd(tilt_y, Eigen::Vector3d::UnitY()))
-                        .toRotationMatrix();
+    pose.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal() * (Eigen::AngleAxisd(tilt_x, Eigen::Vector3d::UnitX()) *
+                                                               Eigen::AngleAxisd(tilt_y, Eigen::Vector3d::UnitY()))
+                                                                  .toRotationMatrix();
     pose.translation() = Eigen::Vector3d(x, y, 3);
     return pose;
   }
@@ -83,8 +84,8 @@ struct Relief {
     std::vector<Eigen::Isometry3d> poses;
     for (int i = 0; i < count; ++i) {
       const double angle = 2 * M_PI * i / count;
-      poses.push_back(poseAbove(0.6 * std::cos(angle), 0.6 * std::sin(angle), 0.15 * std::sin(angle),
-                                -0.15 * std::cos(angle)));
+      poses.push_back(
+          poseAbove(0.6 * std::cos(angle), 0.6 * std::sin(angle), 0.15 * std::sin(angle), -0.15 * std::cos(angle)));
     }
     return poses;
   }
@@ -96,7 +97,7 @@ struct ReliefViews {
   std::vector<Eigen::Isometry3d> true_poses, poses;
   std::vector<double> stamps, gains;
   std::vector<cv::Mat> images;
-  int num_points = 2500;
+  int num_points = 4000;
 
   explicit ReliefViews(int count) : true_poses(Relief::posesAround(count)), poses(true_poses), gains(poses.size(), 1) {}
 
@@ -183,7 +184,8 @@ struct ReliefViews {
       const double x = uniform(random), y = uniform(random), step = 1e-4;
       const double z = Relief::heightAt(x, y);
       input.points.col(i) = Eigen::Vector3d(x, y, z).cast<float>();
-      const Eigen::Vector3d normal((z - Relief::heightAt(x + step, y)) / step, (z - Relief::heightAt(x, y + step)) / step, 1);
+      const Eigen::Vector3d normal((z - Relief::heightAt(x + step, y)) / step,
+                                   (z - Relief::heightAt(x, y + step)) / step, 1);
       input.surfels.normals.col(i) = normal.normalized().cast<float>();
     }
   }

@@ -45,7 +45,7 @@ TEST(CloudFromMessage, EmptyCloudHasNoPointsButFields) {
 /// Every layout must give the same points: any order, padding, type and byte order.
 TEST(CloudFromMessage, LayoutDoesNotMatter) {
   for (const bool big : {false, true}) {
-    for (const std::uint8_t type : {7, 8, 5}) {  // FLOAT32, FLOAT64, INT32
+    for (const std::uint8_t type : std::vector<std::uint8_t>{7, 8, 5}) {  // FLOAT32, FLOAT64, INT32
       PointWriter writer;
       writer.big_endian = big;
       writer.row_padding = 5;

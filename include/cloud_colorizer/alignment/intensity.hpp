@@ -5,8 +5,10 @@
 ///
 /// Images that agree with each other may still be shifted over the map together; the intensity was measured with the
 /// points, so it cannot. Both are taken relative to their local mean in the image (that removes range, incidence and
-/// shading), and the share of the grey level's variance that bins of intensity explain (the correlation ratio) is to
-/// become large: cost = -1/2 sum_k w (E[y | bin(k)])^2, whose gradient is -sum_k w E[y | bin(k)] J_k.
+/// shading), and the share R^2 of the grey level's variance that bins of intensity explain (the correlation ratio) is
+/// to become large: cost = n/2 log(1 - R^2), the mutual information of Gaussian noise. It does not change with the
+/// contrast, so nothing is gained by moving to where the image is smooth or rough. Gradient: with the local values y
+/// and their variance s^2 unexplained, sum_k (R^2 y_k - E[y | bin(k)]) J_k / s^2.
 #pragma once
 
 #include <cstdint>
@@ -27,14 +29,14 @@ struct Samples {
 };
 
 struct IntensityTerm {
-  std::vector<Eigen::Matrix<double, 6, 6>, Eigen::aligned_allocator<Eigen::Matrix<double, 6, 6>>> hessians;  ///< by view
+  std::vector<Eigen::Matrix<double, 6, 6>, Eigen::aligned_allocator<Eigen::Matrix<double, 6, 6>>>
+      hessians;  ///< by view
   std::vector<Twist> gradients;
   double cost = 0;
   double explained = 0;  ///< share of the grey level's variance that the intensity explains, 0 to 1
 };
 
-/// `noise` [grey levels]: standard deviation of what the intensity does not explain; <= 0: from the data, returned.
-IntensityTerm intensityTerm(const Tracks& tracks, const Samples& samples, const Eigen::VectorXf& ranks, float& noise,
+IntensityTerm intensityTerm(const Tracks& tracks, const Samples& samples, const Eigen::VectorXf& ranks,
                             int num_threads);
 
 }  // namespace cloud_colorizer::alignment

@@ -44,7 +44,7 @@ struct PoseData {
   const Tracks* tracks;
   const BlurredImages* images;
   const Eigen::VectorXd* log_gains;
-  double sigma;  ///< px, of the blur
+  double sigma;                            ///< px, of the blur
   const Eigen::VectorXf* ranks = nullptr;  ///< of the points' intensities; null: no tie to them
 };
 
@@ -61,7 +61,7 @@ PoseRounds refinePoses(const PoseData& data, const PosePriors& priors, int round
 /// with, or a default one.
 struct StateCost {
   double cost = 0;  ///< per unit of weight, without priors; lower is better
-  float scale = 0, noise = 0;
+  float scale = 0;  ///< grey levels, of the robust weights
 };
 StateCost stateCost(const PoseData& data, const PoseState& state, const StateCost& like, int num_threads);
 

@@ -81,6 +81,9 @@ AllParams paramsFromText(const std::map<std::string, std::string>& texts);
 /// (name, value, help) of every parameter: num_cameras, the node's, the method's.
 std::vector<ParamText> describeAllParams(const AllParams& params);
 
+/// The defaults as a file for rosparam, with the help as comments: config/default.yaml.
+std::string defaultsAsYaml();
+
 /// A value of the parameter server as name -> text, names of nested structures joined by '/'.
 /// Throws std::invalid_argument for lists and binary values.
 std::map<std::string, std::string> flattenParams(const XmlRpc::XmlRpcValue& value);
