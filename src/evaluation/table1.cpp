@@ -238,7 +238,8 @@ Table1 makeTable1(const std::vector<Mesh>& meshes, const TablesParams& params, c
         if (callbacks.cancelled && callbacks.cancelled()) throw Cancelled();
         const Row& row = rows.of(method);
         result.table.add(cells(mesh.name, kind.name, method, row, bed));
-        if (closeups && row.status == "ok") {
+        const bool plain = method.find(" plain") != std::string::npos;
+        if (closeups && row.status == "ok" && !(plain && row.result.unanchored_share == 0)) {
           pictures.push_back(drawCloseup(bed, row.result.values));
           captions.push_back(method);
         }
