@@ -54,7 +54,8 @@ Table timeBySize(const Table& table2) {
   std::vector<std::string> sizes;
   for (const auto& row : table2.rows) {
     const std::pair<std::string, std::string> one{row[table2.column("graph")], row[table2.column("solver")]};
-    if (std::find(series.begin(), series.end(), one) == series.end()) series.push_back(one);
+    const bool ok = row[table2.column("status")] == "ok";  // gnuplot warns of a series without a point
+    if (ok && std::find(series.begin(), series.end(), one) == series.end()) series.push_back(one);
     const std::string& size = row[table2.column("points")];
     if (std::find(sizes.begin(), sizes.end(), size) == sizes.end()) sizes.push_back(size);
   }
@@ -82,12 +83,13 @@ void plotTables(const std::string& directory, const Table& table1, const Table& 
   for (const std::string column : {"aep", "rep"}) {
     const std::string name = "error_" + column;
     writeText(directory + "/" + name + ".csv", csv(meanByMethod(table1, column)));
-    tryPlot(directory, name,
-            "set style data histograms\nset style histogram clustered gap 1\nset style fill solid 0.8\n"
-            "set xtics rotate by -35\nset ylabel '" +
-                std::string(column == "aep" ? "AEP" : "REP") + ", mean over the meshes'\nplot for [i=2:4] '" + name +
-                ".csv' using i:xtic(1) title columnheader(i)",
-            messages);
+    tryPlot(
+        directory, name,
+        "set style data histograms\nset style histogram clustered gap 1\nset style fill solid 0.8\nset yrange [0:*]\n"
+        "set xtics rotate by -35\nset ylabel '" +
+            std::string(column == "aep" ? "AEP" : "REP") + ", mean over the meshes'\nplot for [i=2:4] '" + name +
+            ".csv' using i:xtic(1) title columnheader(i)",
+        messages);
   }
   const Table times = timeBySize(table2);
   writeText(directory + "/time_by_size.csv", csv(times));

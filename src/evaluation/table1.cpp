@@ -94,6 +94,31 @@ Row runMethod(const TestBed& bed, const ObservedBed& observed, const std::string
   return row;
 }
 
+/// The rows of one bed. Where every part of a graph has an anchor (or its row was stopped), the plain row is the same
+/// as the anchored one and is not computed again.
+class Rows {
+ public:
+  Rows(const TestBed& bed, const ObservedBed& observed, const TablesParams& params)
+      : bed_(bed), observed_(observed), params_(params) {}
+
+  const Row& of(const std::string& method) {
+    const auto known = rows_.find(method);
+    if (known != rows_.end()) return known->second;
+    static const std::string kPlain = " plain";
+    if (method.size() > kPlain.size() && method.substr(method.size() - kPlain.size()) == kPlain) {
+      const Row& anchored = of(method.substr(0, method.size() - kPlain.size()));
+      if (anchored.status != "ok" || anchored.result.unanchored_share == 0) return anchored;
+    }
+    return rows_[method] = runMethod(bed_, observed_, method, params_);
+  }
+
+ private:
+  const TestBed& bed_;
+  const ObservedBed& observed_;
+  const TablesParams& params_;
+  std::map<std::string, Row> rows_;
+};
+
 std::vector<std::string> cells(const std::string& mesh, const std::string& noise, const std::string& method,
                                const Row& row, const TestBed& bed) {
   if (row.status != "ok") {
@@ -203,6 +228,7 @@ Table1 makeTable1(const std::vector<Mesh>& meshes, const TablesParams& params, c
     for (const NoiseKind& kind : noiseKinds(params.noise)) {
       const TestBed bed = addNoise(clean, kind.params, params.bed.seed, params.bed.num_threads);
       const ObservedBed observed = observeBed(bed, bed.poses, {}, params.method);
+      Rows rows(bed, observed, params);
       const bool closeups = &mesh == &meshes.front() && kind.name == "both";
       if (closeups) {
         pictures.push_back(drawCloseup(bed, bed.truth));
@@ -210,9 +236,10 @@ Table1 makeTable1(const std::vector<Mesh>& meshes, const TablesParams& params, c
       }
       for (const std::string& method : methodNames()) {
         if (callbacks.cancelled && callbacks.cancelled()) throw Cancelled();
-        const Row row = runMethod(bed, observed, method, params);
+        const Row& row = rows.of(method);
         result.table.add(cells(mesh.name, kind.name, method, row, bed));
-        if (closeups && row.status == "ok") {
+        const bool plain = method.find(" plain") != std::string::npos;
+        if (closeups && row.status == "ok" && !(plain && row.result.unanchored_share == 0)) {
           pictures.push_back(drawCloseup(bed, row.result.values));
           captions.push_back(method);
         }
