@@ -39,7 +39,9 @@ TEST(Params, EveryValueSurvivesTextAndBack) {
     Params params;
     EXPECT_NO_THROW(setParam(params, param.name, param.value)) << param.name;
     for (const auto& again : describeParams(params)) {
-      if (again.name == param.name) EXPECT_EQ(again.value, param.value) << param.name;
+      if (again.name == param.name) {
+        EXPECT_EQ(again.value, param.value) << param.name;
+      }
     }
   }
 }
