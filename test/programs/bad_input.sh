@@ -33,14 +33,15 @@ refuse 2 'unknown option --ouput' colorize "$tmp/recording" --ouput "$out"
 refuse 2 'too few arguments' colorize --output "$out"
 refuse 2 'frames' simulate --output "$tmp/out/drive" --frames 0
 refuse 2 'fames' simulate --output "$tmp/out/drive" --fames 3
-refuse 2 'width' render_map "$tmp/map.ply" --output "$tmp/out/map.png" --size 0x0
+refuse 2 'size' render_map "$tmp/map.ply" --output "$tmp/out/map.png" --size large
 
 # ---- the output ----
 refuse 1 'extension must be .ply or .pcd' colorize "$tmp/recording" --output "$tmp/out/map.las"
 refuse 1 'extension must be .ply or .pcd' colorize_bag "$bag" --output "$tmp/out/map"
 refuse 1 "no directory $tmp/nowhere" colorize "$tmp/recording" --output "$tmp/nowhere/map.ply"
 refuse 1 "no directory $tmp/nowhere" colorize_bag "$bag" --output "$tmp/nowhere/map.ply"
-refuse 1 'is a directory' colorize "$tmp/recording" --output "$tmp/drive"
+mkdir "$tmp/folder.ply"
+refuse 1 'is a directory' colorize "$tmp/recording" --output "$tmp/folder.ply"
 mkdir "$tmp/small_disk"
 if mount -t tmpfs -o size=100k tmpfs "$tmp/small_disk" 2>/dev/null; then
   expect 1 'No space left' colorize "$tmp/recording" --output "$tmp/small_disk/map.ply"
@@ -76,10 +77,9 @@ refuse 1 'cannot be decoded' colorize "$tmp/copy" --output "$out"
 changed_copy; echo "no number,1,2" >>"$tmp/copy/views.csv"
 refuse 1 'views.csv.*damaged' colorize "$tmp/copy" --output "$out"
 changed_copy
-flock "$tmp/copy/recorder.lock" sleep 30 &
-background+=($!)
-until ! flock -n "$tmp/copy/recorder.lock" true; do sleep 0.05; done
+exec 9>"$tmp/copy/recorder.lock"; flock 9  # as a program does that records
 refuse 1 'another program is recording' colorize_bag "$bag" --output "$out" --recording "$tmp/copy"
+exec 9>&-
 changed_copy
 refuse 1 'voxel' colorize_bag "$bag" --output "$out" --recording "$tmp/copy" voxel_size=0.2
 
@@ -90,6 +90,7 @@ printf '1 PINHOLE 32 20 30 30 16 10\n' >"$tmp/model/cameras.txt"
 printf '1 1 0 0 0 0 0 0 1 view.png\n\n' >"$tmp/model/images.txt"
 refuse 1 'images directory .*nowhere' model "$tmp/map.ply" "$tmp/nowhere" "$tmp/model"
 refuse 1 'view.png' model "$tmp/map.ply" "$tmp/images" "$tmp/model"
+render_map "$tmp/map.ply" --output "$tmp/images/view.png" --size 32x20 >"$tmp/log" 2>&1
 refuse 1 'cameras.txt' model "$tmp/map.ply" "$tmp/images" "$tmp/nowhere"
 refuse 1 'nowhere.ply' model "$tmp/nowhere.ply" "$tmp/images" "$tmp/model"
 echo "no cloud" >"$tmp/text.ply"

@@ -49,7 +49,7 @@ interrupt() {
     sleep 0.005
   done
   kill "-$signal" "$pid" 2>/dev/null || true
-  wait "$pid" 2>/dev/null || found=$?
+  { wait "$pid" || found=$?; } 2>/dev/null  # no word about a killed job
   [ "$found" = "$code" ] || { problem "exit code $found, not $code, after SIG$signal at $folder"; tail -5 "$tmp/log"; }
   [ -z "$(find "$tmp" -maxdepth 1 -name 'stopped.ply*')" ] || problem "SIG$signal at $folder leaves a half map"
   expect 0 'saved' colorize "$recording" --output "$tmp/stopped.ply"
