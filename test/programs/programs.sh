@@ -1,0 +1,82 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# The programs from end to end on a small drive: help, threads, interruption, chunks, uncoloured points.
+. "$(dirname "$0")/common.bash"
+ply() { /usr/bin/python3 test/programs/ply.py "$@"; }
+
+# ---- help ----
+expect 0 '--output.*--config.*--recording' colorize_bag --help
+expect 0 '--cloud.*--images.*--model.*--output' colorize_map --help
+expect 0 'RECORDING --output' colorize --help
+expect 0 '--output.*--eye.*--field' render_map --help
+expect 0 '--frames' simulate --help
+expect 0 'score' evaluate --help
+for command in tables ablations heldout score visibility; do expect 0 "Usage: evaluate $command" evaluate $command --help; done
+for program in colorize_bag colorize_map colorize; do
+  expect 0 '^  lambda=1 ' $program --help
+  grep -q 'Exit codes' "$tmp/log" || problem "$program --help tells no exit codes"
+done
+
+# ---- from a bag to a map ----
+make_drive "$tmp/drive"
+recording=$tmp/recording
+expect 0 'points coloured' colorize_bag "$tmp/drive/drive.bag" --config "$tmp/drive/rig.yaml" --recording "$recording" \
+  --output "$tmp/map.ply" tile_size=5
+read -r num_points num_colored _ < <(ply count "$tmp/map.ply")
+[ "$num_colored" -gt 1000 ] || problem "only $num_colored of $num_points points are coloured"
+expect 0 'saved' colorize "$recording" --output "$tmp/map.pcd"
+head -c 200 "$tmp/map.pcd" | grep -aq 'FIELDS x y z .*rgb view_count color_stddev' || problem "map.pcd has other fields"
+expect 0 '' render_map "$tmp/map.ply" --output "$tmp/map.png" --size 320x200
+[ -s "$tmp/map.png" ] || problem "no picture is drawn"
+
+# ---- any number of threads, and any interruption, gives the same bytes ----
+for threads in 1 2; do
+  forget "$recording"
+  expect 0 'saved' colorize "$recording" --output "$tmp/threads.ply" num_threads=$threads
+  cmp "$tmp/map.ply" "$tmp/threads.ply" || problem "another map with num_threads=$threads"
+done
+
+# interrupt SIGNAL CODE FOLDER: ends a run as soon as FOLDER has a first file of results.
+interrupt() {
+  local signal=$1 code=$2 folder=$3 found=0 pid
+  forget "$recording"; rm -f "$tmp"/stopped.ply*
+  colorize "$recording" --output "$tmp/stopped.ply" num_threads=1 >"$tmp/log" 2>&1 &
+  pid=$!; background+=("$pid")
+  until [ -n "$(find "$recording/$folder" -name '*.bin' -print -quit 2>/dev/null)" ]; do
+    kill -0 "$pid" 2>/dev/null || break
+    sleep 0.005
+  done
+  kill "-$signal" "$pid" 2>/dev/null || true
+  { wait "$pid" || found=$?; } 2>/dev/null  # no word about a killed job
+  [ "$found" = "$code" ] || { problem "exit code $found, not $code, after SIG$signal at $folder"; tail -5 "$tmp/log"; }
+  [ -z "$(find "$tmp" -maxdepth 1 -name 'stopped.ply*')" ] || problem "SIG$signal at $folder leaves a half map"
+  expect 0 'saved' colorize "$recording" --output "$tmp/stopped.ply"
+  cmp "$tmp/map.ply" "$tmp/stopped.ply" || problem "another map after SIG$signal at $folder"
+}
+interrupt INT 130 surfels
+interrupt TERM 130 depth
+interrupt KILL 137 surfels
+
+# ---- chunked = whole ----
+# At the borders of chunks the solutions differ a little; the points and what sees them do not.
+expect 0 'saved' colorize "$recording" --output "$tmp/chunked.ply" max_chunk_points=4000
+difference=$(ply compare "$tmp/map.ply" "$tmp/chunked.ply") || problem "$difference"
+awk -v d="$difference" 'BEGIN { exit !(d < 0.5) }' || problem "chunked and whole differ by $difference of 255"
+cmp -s "$tmp/map.ply" "$tmp/chunked.ply" && problem "max_chunk_points=4000 changes nothing: this test tests nothing"
+
+# ---- what becomes of points that no view sees ----
+expect 0 'saved' colorize "$recording" --output "$tmp/drop.ply" uncolored=drop
+read -r points colored _ < <(ply count "$tmp/drop.ply")
+[ "$points $colored" = "$num_colored $num_colored" ] || problem "uncolored=drop keeps $points points, $num_colored are coloured"
+expect 0 'saved' colorize "$recording" --output "$tmp/keep.ply"
+read -r points colored keep_visible < <(ply count "$tmp/keep.ply")
+[ "$points $colored" = "$num_points $num_colored" ] || problem "uncolored=keep changes the points"
+expect 0 'saved' colorize "$recording" --output "$tmp/fill.ply" uncolored=fill
+read -r points colored fill_visible < <(ply count "$tmp/fill.ply")
+[ "$points $colored" = "$num_points $num_colored" ] || problem "uncolored=fill changes points or view_count"
+[ "$fill_visible" -gt "$keep_visible" ] || problem "uncolored=fill fills nothing"
+
+# ---- scores of a map ----
+expect 0 '[0-9]' evaluate score --truth "$tmp/drive/truth.ply" --result "$tmp/map.ply"
