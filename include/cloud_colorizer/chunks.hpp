@@ -13,7 +13,7 @@
 namespace cloud_colorizer {
 
 struct ChunkParams {
-  int max_chunk_points = 500000;  ///< a chunk's core is split until it has no more points (or is one tile)
+  int max_chunk_points = 200000;  ///< a chunk's core is split until it has no more points (or is one tile)
   double overlap = 0.1;           ///< halo on every side, as a share of the chunk's side (omega of the paper)
 
   void check() const;

@@ -15,9 +15,9 @@ namespace {
 using Eigen::Index;
 
 /// Bytes that a point of a chunk takes while it is coloured; measured, rounded up.
-constexpr double kBytesPerPoint = 1800;
+constexpr double kBytesPerPoint = 1400;
 /// Share of memory_limit for chunks; the rest is for the caches of the workspace.
-constexpr double kChunkShare = 0.6;
+constexpr double kChunkShare = 0.55;
 
 /// The points of a chunk: its core tiles one after the other, then what lies in its halo.
 Surface gatherChunk(Workspace& work, const Chunk& chunk) {

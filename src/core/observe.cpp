@@ -91,6 +91,8 @@ class BestViews {
 };
 
 Observations BestViews::finish() {
+  // One view alone is no evidence at a depth edge, where a small error of a pose decides which surface it shows.
+  for (List& list : points_) list.count = !list.clear && list.count == 1 ? 0 : list.count;
   Observations out;
   out.offsets.reserve(points_.size() + 1);
   out.offsets.push_back(0);
@@ -166,6 +168,27 @@ void checkView(const ObservedView& view, int channels) {
   require<Invalid>(view.mask->type() == CV_8UC1, "mask of view ", view.id, " is not CV_8UC1");
 }
 
+/// A run of points in a ball. Where points are in Z-order the balls are small, and a view passes over most of them.
+struct Run {
+  Eigen::Index begin = 0, end = 0;
+  Eigen::Vector3f center = Eigen::Vector3f::Zero();
+  float radius = 0;
+};
+
+std::vector<Run> makeRuns(PointsRef points, const Surfels& surfels) {
+  constexpr Eigen::Index kRunLength = 64;
+  std::vector<Run> runs;
+  for (Eigen::Index begin = 0; begin < points.cols(); begin += kRunLength) {
+    Run run{begin, std::min(begin + kRunLength, points.cols()), Eigen::Vector3f::Zero(), 0};
+    run.center = points.middleCols(run.begin, run.end - run.begin).rowwise().mean();
+    for (Eigen::Index i = run.begin; i < run.end; ++i) {
+      run.radius = std::max(run.radius, (surfels.onSurface(i, points.col(i)) - run.center).norm());
+    }
+    runs.push_back(run);
+  }
+  return runs;
+}
+
 /// Looks from one view at all points.
 class Looker {
  public:
@@ -184,9 +207,21 @@ class Looker {
     translation_ = camera_from_map.translation();
   }
 
-  void look(PointsRef points, const Surfels& surfels, BestViews& best, ObserveResult& result) {
+  void look(PointsRef points, const Surfels& surfels, const std::vector<Run>& runs, BestViews& best,
+            ObserveResult& result) {
+    for (const Run& run : runs) {
+      if (camera_.mayShow(rotation_ * run.center + translation_, run.radius)) {
+        look(points, surfels, run, best, result);
+      } else {
+        result.stats.outside += static_cast<std::uint64_t>(run.end - run.begin);
+      }
+    }
+  }
+
+ private:
+  void look(PointsRef points, const Surfels& surfels, const Run& run, BestViews& best, ObserveResult& result) {
     ObserveStats& stats = result.stats;
-    for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    for (Eigen::Index i = run.begin; i < run.end; ++i) {
       const Eigen::Vector3f point = rotation_ * surfels.onSurface(i, points.col(i)) + translation_;
       if (!camera_.mayShow(point, 0)) {
         ++stats.outside;
@@ -200,7 +235,6 @@ class Looker {
     }
   }
 
- private:
   /// A point is told apart by the view that came nearest to colouring it.
   static void came(Unseen& so_far, Unseen now) { so_far = std::min(so_far, now); }
 
@@ -287,15 +321,20 @@ ObserveResult observe(PointsRef points, const Surfels& surfels, std::size_t num_
   ObserveResult result;
   result.unseen.assign(static_cast<std::size_t>(points.cols()), Unseen::kOutside);
   BestViews best(static_cast<std::size_t>(points.cols()), params.max_views);
+  const std::vector<Run> runs = makeRuns(points, surfels);
   int channels = 0;
   for (std::size_t k = 0; k < num_views; ++k) {
     const ObservedView at = view(k);
     if (k == 0 && at.image) channels = at.image->channels();
     checkView(at, channels);
     best.setChannels(channels);
-    Looker(at, depth_params, params).look(points, surfels, best, result);
+    Looker(at, depth_params, params).look(points, surfels, runs, best, result);
   }
   result.observations = best.finish();
+  for (std::size_t p = 0; p < result.unseen.size(); ++p) {
+    const bool seen = result.observations.offsets[p + 1] > result.observations.offsets[p];
+    if (!seen && result.unseen[p] == Unseen::kSeen) result.unseen[p] = Unseen::kHidden;
+  }
   return result;
 }
 

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr double kMegabyte = 1e6;
 /// Shares of memory_limit; the rest is for the chunks in work.
-constexpr double kSurfaceShare = 0.15, kImageShare = 0.15, kDepthShare = 0.1;
+constexpr double kSurfaceShare = 0.08, kImageShare = 0.25, kDepthShare = 0.12;
 
 std::size_t bytesOf(const Surface& s) {
   return sizeof(float) *
