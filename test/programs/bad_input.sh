@@ -83,6 +83,31 @@ exec 9>&-
 changed_copy
 refuse 1 'voxel' colorize_bag "$bag" --output "$out" --recording "$tmp/copy" voxel_size=0.2
 
+# Two programs colour one recording in different ways at the same time: each is refused, or its map is right.
+for method in median closest; do
+  changed_copy
+  colorize "$tmp/copy" --output "$tmp/$method.ply" method=$method depth_cell_size=0.5 >"$tmp/log" 2>&1 ||
+    problem "method=$method fails on a recording of its own"
+done
+changed_copy
+colorize "$tmp/copy" --output "$tmp/first.ply" method=median depth_cell_size=0.5 num_threads=1 >"$tmp/first.log" 2>&1 &
+first=$!; background+=("$first")
+until [ -n "$(find "$tmp/copy/depth" -name '*.bin' -print -quit 2>/dev/null)" ]; do
+  kill -0 "$first" 2>/dev/null || break
+done
+kill -STOP "$first" 2>/dev/null || true  # in the middle of its depth images
+if colorize "$tmp/copy" --output "$tmp/second.ply" method=closest depth_cell_size=0.5 >"$tmp/log" 2>&1; then
+  cmp "$tmp/closest.ply" "$tmp/second.ply" || problem "the second of two programs on one recording saved a wrong map"
+else
+  grep -q 'another program' "$tmp/log" || { problem "no reason why the second program stops"; tail -3 "$tmp/log"; }
+fi
+kill -CONT "$first" 2>/dev/null || true
+if wait "$first"; then
+  cmp "$tmp/median.ply" "$tmp/first.ply" || problem "the first of two programs on one recording saved a wrong map"
+else
+  grep -q 'another program' "$tmp/first.log" || { problem "no reason why the first program stops"; tail -3 "$tmp/first.log"; }
+fi
+
 # ---- a model and its cloud ----
 model() { colorize_map --cloud "$1" --images "$2" --model "$3" --output "$out"; }
 mkdir "$tmp/model" "$tmp/images"

@@ -38,7 +38,8 @@ for threads in 1 2; do
   cmp "$tmp/map.ply" "$tmp/threads.ply" || problem "another map with num_threads=$threads"
 done
 
-# interrupt SIGNAL CODE FOLDER: ends a run as soon as FOLDER has a first file of results.
+# interrupt SIGNAL CODE FOLDER: ends a run as soon as FOLDER has a first file of results. (After the surfels comes the
+# alignment, the longest stage: time enough for the signal.)
 interrupt() {
   local signal=$1 code=$2 folder=$3 found=0 pid
   forget "$recording"; rm -f "$tmp"/stopped.ply*
@@ -56,7 +57,7 @@ interrupt() {
   cmp "$tmp/map.ply" "$tmp/stopped.ply" || problem "another map after SIG$signal at $folder"
 }
 interrupt INT 130 surfels
-interrupt TERM 130 depth
+interrupt TERM 130 surfels
 interrupt KILL 137 surfels
 
 # ---- chunked = whole ----

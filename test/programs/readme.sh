@@ -58,7 +58,7 @@ awk -v prefix="$tmp/block_" '/^```bash$/ { getline; if ($0 == "# tested") { n++;
   /^```$/ { file = "" } file { print > file }' README.md
 blocks=$(find "$tmp" -maxdepth 1 -name 'block_*.sh' | sort -V)
 [ "$(wc -w <<<"$blocks")" -ge 3 ] || problem "too few blocks are marked as tested in README.md"
-cd "$tmp/work"
+cd "$tmp/work" || exit 1
 for block in $blocks; do
   bash -euo pipefail "$block" >"$tmp/log" 2>&1 || { problem "this example fails:"; cat "$block"; tail -20 "$tmp/log"; }
 done
