@@ -85,7 +85,9 @@ void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid) {
   const Params& params = work.params();
   const ObserveResult seen =
       observe(surface.points, surface.surfels, views.size(), viewAt, params.depth, params.observe);
-  const PointColors colors = colorPoints(surface.points, seen.observations, grid, params);
+  PointColors colors = colorPoints(surface.points, seen.observations, grid, params);
+  // Without a view nothing tells the number of channels.
+  if (views.empty()) colors.values = Values::Zero(3, surface.size());
   writeCore(work, chunk, order, colors, seen.unseen);
 }
 

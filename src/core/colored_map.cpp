@@ -79,7 +79,10 @@ std::vector<Field> coloredFields(const Recording& recording) {
 
 void forEachColoredTile(const Recording& recording, const Params& params, bool relative,
                         const std::function<void(const Cloud&)>& visit) {
+  const FolderLock lock(recording.directory(), false);
   Workspace work(recording, params);
+  if (params.colorize.method == Method::kDefault) work.restoreCorrections();
+  work.requireColors();
   const bool drop = params.colorize.uncolored == Uncolored::kDrop;
   for (std::size_t tile = 0; tile < recording.tiles().size(); ++tile) {
     TileColors colors = work.readColors(tile);

@@ -24,6 +24,7 @@ ColorizeSummary colorize(const Recording& recording, const Params& params, const
   params.check();
   requireColorable(recording);
 
+  const FolderLock lock(recording.directory(), true);
   Workspace work(recording, params);
   work.prepareAlignment();
   makeSurfels(work, callbacks);  // per tile: what closes the surface between the points

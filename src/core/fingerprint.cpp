@@ -10,6 +10,9 @@
 namespace cloud_colorizer {
 namespace {
 
+/// To be raised when a stage gives other results than before, so that files of an older program are not used.
+constexpr std::uint64_t kStagesVersion = 1;
+
 /// FNV-1a, 64 bit.
 class Hash {
  public:

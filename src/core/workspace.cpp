@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "workspace.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -45,7 +48,12 @@ class BlobWriter {
     const auto* bytes = reinterpret_cast<const char*>(data);
     blob_.insert(blob_.end(), bytes, bytes + count * sizeof(T));
   }
-  void save(const std::string& path) const { writeFileAtomically(path, blob_.data(), blob_.size()); }
+  /// Does not wait for the disk: what a power failure tears can be made again.
+  void save(const std::string& path) const {
+    AtomicFile file(path);
+    file.append(blob_.data(), blob_.size());
+    file.commit(false);
+  }
 
  private:
   std::vector<char> blob_;
@@ -119,6 +127,27 @@ Workspace::Workspace(const Recording& recording, const Params& params)
   for (const View& view : recording_.views()) corrections_.push_back({view.map_from_camera, {}, 1});
 }
 
+FolderLock::FolderLock(const std::string& directory, bool exclusive)
+    : file_(directory + "/colorize.lock", O_RDWR | O_CREAT) {
+  require(::flock(file_.descriptor(), (exclusive ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0,
+          "another program is colouring or saving ", directory, "; wait for it, or work on a copy of the recording");
+}
+
+void Workspace::requireColors() const {
+  std::ifstream file(recording_.directory() + "/colored/key.txt");
+  const std::string found{std::istreambuf_iterator<char>(file), {}};
+  require(found == colorsKeyOfAll(), "the colours in ", recording_.directory(),
+          " were made with other parameters or from fewer points; colour it again first");
+}
+
+std::string Workspace::depthKeyOfAll() const {
+  return surfelsKey(params_) + depthKey(recording_, params_) + posesKey(corrections_);
+}
+
+std::string Workspace::colorsKeyOfAll() const {
+  return depthKeyOfAll() + colorsKey(recording_, params_) + exposuresKey(corrections_);
+}
+
 void Workspace::prepareAlignment() const {
   const fs::path base = recording_.directory();
   claimFolder(base / "surfels", surfelsKey(params_));
@@ -127,9 +156,8 @@ void Workspace::prepareAlignment() const {
 
 void Workspace::prepareColors() const {
   const fs::path base = recording_.directory();
-  const std::string depth_key = surfelsKey(params_) + depthKey(recording_, params_) + posesKey(corrections_);
-  claimFolder(base / "depth", depth_key);
-  claimFolder(base / "colored", depth_key + colorsKey(recording_, params_) + exposuresKey(corrections_));
+  claimFolder(base / "depth", depthKeyOfAll());
+  claimFolder(base / "colored", colorsKeyOfAll());
 }
 
 // ---- files -------------------------------------------------------------------------------------------------------

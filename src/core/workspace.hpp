@@ -10,6 +10,7 @@
 
 #include "cloud_colorizer/camera.hpp"
 #include "cloud_colorizer/depth.hpp"
+#include "cloud_colorizer/file_io.hpp"
 #include "cloud_colorizer/observe.hpp"
 #include "cloud_colorizer/params.hpp"
 #include "cloud_colorizer/recording.hpp"
@@ -30,6 +31,15 @@ struct TileColors {
 
 /// The cube of a tile, in metres relative to the origin.
 Eigen::AlignedBox3f tileBox(const Recording& recording, std::size_t tile);
+
+/// One program at a time colours a recording (exclusive); several may read its colours. Throws where another one is.
+class FolderLock {
+ public:
+  FolderLock(const std::string& directory, bool exclusive);
+
+ private:
+  File file_;
+};
 
 /// Paths, files and caches of one colouring. A unit of work (a tile's surfels, a view's depth image, a tile's colours)
 /// is one file, written under a temporary name and renamed: it is complete or absent. Each folder holds key.txt, which
@@ -70,8 +80,12 @@ class Workspace {
   /// they will be, depth and colored.
   void prepareAlignment() const;
   void prepareColors() const;
+  /// Throws unless the colours are there that these parameters give.
+  void requireColors() const;
 
  private:
+  std::string depthKeyOfAll() const;
+  std::string colorsKeyOfAll() const;
   std::string tilePath(const char* folder, std::size_t tile) const;
   std::string depthPath(std::size_t view) const;
   Surface readSurface(std::size_t tile) const;
