@@ -86,6 +86,8 @@ void visitParams(ParamsT& p, F&& f) {
   f("depth_cell_size", p.depth.depth_cell_size, "px of the image to a cell of the depth image");
   f("depth_tolerance", p.depth.depth_tolerance, "share of the depth by which a visible point may lie behind");
   f("depth_edge_guard", p.depth.depth_edge_guard, "px beside a depth edge where a view counts little");
+  f("clear_radius", p.depth.clear_radius,
+    "m around the places of the cameras that were free: points there hide nothing");
   f("max_view_distance", p.depth.max_view_distance, "m; views farther away do not colour a point");
   visitAlignmentParams(p.alignment, f);
   f("max_views", p.observe.max_views, "a point keeps its best views up to this number");

@@ -117,6 +117,7 @@ void DepthParams::check() const {
   requireInRange("depth_tolerance", depth_tolerance, 0.0, 0.5);
   requireInRange("depth_edge_guard", depth_edge_guard, 0.0, 100.0);
   requireInRange("max_view_distance", max_view_distance, 1e-6, 1e9);
+  requireInRange("clear_radius", clear_radius, 0.0, 100.0);
 }
 
 /// Depth change to the next cell [m a cell]: the lesser of the two sides, so that a depth edge does not count.
@@ -214,6 +215,7 @@ void DepthSplatter::add(PointsRef points, const Surfels& surfels) {
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     const Eigen::Vector3f point = rotation * surfels.onSurface(i, points.col(i)) + translation;
     const float radius = surfels.radii[i];
+    if (radius < 0) continue;
     if (!camera_->mayShow(point, radius) || !(point.squaredNorm() < reach2)) continue;
     splat(point, rotation * surfels.normals.col(i), radius);
   }

@@ -60,18 +60,19 @@ std::string imagesKey(const Recording& recording) {
 
 }  // namespace
 
-std::string surfelsKey(const Params& params) {
-  return paramsText(params, {"num_neighbors"}, false);
+std::string surfelsKey(const Recording& recording, const Params& params) {
+  Hash poses;
+  for (const View& view : recording.views()) poses.add(view.map_from_camera.matrix().data(), 16).addValue(view.stamp);
+  return line("version of the stages", kStagesVersion) + line("poses of the recording", poses.value()) +
+         paramsText(params, {"num_neighbors", "clear_radius"}, false);
 }
 
 std::string alignmentKey(const Recording& recording, const Params& params) {
-  Hash poses;
-  for (const View& view : recording.views()) poses.add(view.map_from_camera.matrix().data(), 16).addValue(view.stamp);
   const AlignmentParams defaults;
   std::set<std::string> names = {"method"};
   visitAlignmentParams(defaults, [&](const char* name, const auto&, const char*) { names.insert(name); });
-  return surfelsKey(params) + depthKey(recording, params) + imagesKey(recording) +
-         line("poses of the recording", poses.value()) + paramsText(params, names, false);
+  return surfelsKey(recording, params) + depthKey(recording, params) + imagesKey(recording) +
+         paramsText(params, names, false);
 }
 
 std::string depthKey(const Recording& recording, const Params& params) {

@@ -19,7 +19,7 @@ struct CorrectedView {
   float weight = 1;  ///< of its observations
 };
 
-std::string surfelsKey(const Params& params);
+std::string surfelsKey(const Recording& recording, const Params& params);
 std::string alignmentKey(const Recording& recording, const Params& params);
 std::string depthKey(const Recording& recording, const Params& params);
 std::string colorsKey(const Recording& recording, const Params& params);

@@ -141,7 +141,7 @@ void Workspace::requireColors() const {
 }
 
 std::string Workspace::depthKeyOfAll() const {
-  return surfelsKey(params_) + depthKey(recording_, params_) + posesKey(corrections_);
+  return surfelsKey(recording_, params_) + depthKey(recording_, params_) + posesKey(corrections_);
 }
 
 std::string Workspace::colorsKeyOfAll() const {
@@ -150,7 +150,7 @@ std::string Workspace::colorsKeyOfAll() const {
 
 void Workspace::prepareAlignment() const {
   const fs::path base = recording_.directory();
-  claimFolder(base / "surfels", surfelsKey(params_));
+  claimFolder(base / "surfels", surfelsKey(recording_, params_));
   claimFolder(base / "alignment", alignmentKey(recording_, params_));
 }
 
