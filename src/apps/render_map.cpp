@@ -115,6 +115,7 @@ void render(const CommandLine& line, const Callbacks& callbacks) {
   params.height = static_cast<int>(size[1]);
   params.field_of_view = parseNumbers("fov", line.option("fov", "70"), 1, ',')[0];
   params.point_size = parseNumbers("point-size", line.option("point-size", "0.07"), 1, ',')[0];
+  params.check();
   const double high = parseNumbers("high", line.option("high", "20"), 1, ',')[0];
 
   const Eigen::AlignedBox3d bounds = boundsOf(line.positionals[0]);

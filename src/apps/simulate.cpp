@@ -133,8 +133,7 @@ void printProgress(int done, int total, double seconds) {
 void writeRigFile(const Drive& drive, const std::string& path) {
   std::ofstream file(path);
   file << "# Which topic of the bag is what. The true time of an image is its stamp plus time_offset [s].\n"
-       << "map_frame: map\ncloud_in: " << kCloudTopic
-       << "\ncameras:\n";
+       << "map_frame: map\ncloud_in: " << kCloudTopic << "\ncameras:\n";
   for (int i = 0; i < drive.options().cameras; ++i) {
     const std::string& name = drive.cameras()[static_cast<std::size_t>(i)].name;
     file << "  - {image: " << imageTopic(drive, i) << ", camera_info: /" << name << "/camera_info, time_offset: 0}\n";

@@ -90,7 +90,9 @@ std::vector<std::string> enumNames(SolverKind) {
 std::vector<std::string> enumNames(AnchorKind) {
   return {"random", "consistent"};
 }
-std::vector<std::string> enumNames(AlignPoses) { return {"none", "cameras", "views"}; }
+std::vector<std::string> enumNames(AlignPoses) {
+  return {"none", "cameras", "views"};
+}
 
 void ColorizeParams::check() const {
   requireInRange("fill_distance", fill_distance, 0.0, 1e3);

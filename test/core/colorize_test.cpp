@@ -155,6 +155,22 @@ TEST_F(Colorize, AWallInAnotherChunkHides) {
   EXPECT_GT(summary.by_reason[static_cast<std::size_t>(Unseen::kHidden)], recording.numPoints() * 4 / 10);
 }
 
+TEST_F(Colorize, WhatStoodWhereACameraHasBeenHidesNothing) {
+  const auto colored_behind = [&](double clear_radius) {
+    const Recording recording = record("r" + std::to_string(clear_radius), {5, 15}, 0.04, {{0, 0, 2}}, 5);
+    params_.depth.clear_radius = clear_radius;
+    colorize(recording, params_, {});
+    const Cloud cloud = colored(recording);
+    std::size_t count = 0;
+    for (Index i = 0; i < cloud.positions.cols(); ++i) {
+      if (cloud.positions(0, i) > 10 && viewCountOf(cloud, i) > 0) ++count;
+    }
+    return count;
+  };
+  EXPECT_EQ(colored_behind(0), 0U);
+  EXPECT_GT(colored_behind(5.5), 1000U);
+}
+
 TEST_F(Colorize, ChunkedAgreesWithWhole) {
   const Recording recording = record("r", {5}, 0.012, kThreeCameras, 5);
   ASSERT_GE(recording.numPoints(), 200000U);
