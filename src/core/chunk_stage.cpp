@@ -96,11 +96,13 @@ void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid) {
 void colorChunks(Workspace& work, const Callbacks& callbacks) {
   const Recording& recording = work.recording();
   const Params& params = work.params();
-  const std::vector<Chunk> chunks = planChunks(recording.tiles(), recording.tileSize(), params.chunks);
+  std::vector<Chunk> chunks = planChunks(recording.tiles(), recording.tileSize(), params.chunks);
+  // Large ones first, so that no thread is left with one at the end.
+  std::stable_sort(chunks.begin(), chunks.end(),
+                   [](const Chunk& a, const Chunk& b) { return a.num_core_points > b.num_core_points; });
   const ZOrderGrid grid = globalGrid(recording);
 
-  std::size_t largest = 1;
-  for (const Chunk& chunk : chunks) largest = std::max(largest, chunk.num_core_points);
+  const std::size_t largest = chunks.empty() ? 1 : std::max<std::size_t>(1, chunks.front().num_core_points);
   const double halo_factor = std::pow(1 + 2 * params.chunks.overlap, 2);  // points lie on surfaces
   const double chunk_bytes = static_cast<double>(largest) * halo_factor * kBytesPerPoint;
   const double room = params.colorize.memory_limit * 1e6 * kChunkShare / chunk_bytes;
