@@ -123,7 +123,9 @@ TEST(Observe, CountsWhyPointsAreNotSeen) {
   EXPECT_EQ(result.stats.masked, 1U);
   EXPECT_EQ(result.stats.edge, 1U);
   EXPECT_EQ(result.stats.seen, 1U);
-  EXPECT_EQ(result.observations.offsets, (std::vector<std::uint32_t>{0, 0, 0, 0, 0, 0, 1, 2}));
+  EXPECT_EQ(result.observations.offsets, (std::vector<std::uint32_t>{0, 0, 0, 0, 0, 0, 0, 1}));
+  EXPECT_EQ(result.unseen, (std::vector<Unseen>{Unseen::kOutside, Unseen::kOutside, Unseen::kTooFar, Unseen::kHidden,
+                                                Unseen::kMasked, Unseen::kHidden, Unseen::kSeen}));
 }
 
 TEST(Observe, NanPixelIsSkippedAsMasked) {
@@ -184,9 +186,12 @@ TEST(Observe, EdgesCountOnlyWhereNothingElseDoes) {
   for (const auto& views : {std::vector<ObservedView>{clear, edge}, std::vector<ObservedView>{edge, clear}}) {
     EXPECT_EQ(look(scene, views).observations.views, std::vector<std::uint32_t>{0});
   }
-  const auto only = look(scene, {edge});
-  EXPECT_EQ(only.observations.views, std::vector<std::uint32_t>{1});
+  ObservedView other_edge = makeView(2);
+  other_edge.depth = at_edge;
+  const auto only = look(scene, {edge, other_edge});
+  EXPECT_EQ(only.observations.views, (std::vector<std::uint32_t>{1, 2}));
   EXPECT_LT(only.observations.weights[0], 0.06F * look(scene, {clear}).observations.weights[0] + 1e-6F);
+  EXPECT_EQ(look(scene, {edge}).observations.numObservations(), 0U) << "one view at an edge is no evidence";
 }
 
 TEST(Observe, WeightFallsWithDistanceGrazingAndBorder) {
