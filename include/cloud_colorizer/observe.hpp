@@ -63,8 +63,8 @@ struct ObserveResult {
 };
 
 /// Looks at every point from every view. `view(k)`, k in [0, num_views), is called once for each, in order.
-/// A point that some view sees clearly keeps no edge observation; a point seen only at edges keeps those, if there are
-/// two or more.
+/// A point that some view sees clearly keeps no edge observation; a point seen only at edges keeps those, unless it
+/// is one such view and another takes the point for hidden.
 ObserveResult observe(PointsRef points, const Surfels& surfels, std::size_t num_views,
                       const std::function<ObservedView(std::size_t)>& view, const DepthParams& depth_params,
                       const ObserveParams& params);

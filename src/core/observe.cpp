@@ -32,6 +32,9 @@ class BestViews {
   /// False when a point's sightings are all at depth edges, or there are none.
   bool seenClearly(std::size_t point) const { return points_[point].clear; }
 
+  /// Some view tells that the point is hidden from it.
+  void markHidden(std::size_t point) { points_[point].hidden = 1; }
+
   /// Keeps it if it is among the best. The first clear sighting drops those at edges.
   void add(std::size_t point, const Sighting& sighting, const float* values, bool edge) {
     List& list = points_[point];
@@ -48,8 +51,8 @@ class BestViews {
  private:
   struct List {
     std::uint32_t first = kNone;  // block
-    std::uint32_t count : 31, clear : 1;
-    List() : count(0), clear(0) {}
+    std::uint32_t count : 30, clear : 1, hidden : 1;
+    List() : count(0), clear(0), hidden(0) {}
   };
 
   /// Slot i of a list; appends a block when the list has none for it.
@@ -91,8 +94,8 @@ class BestViews {
 };
 
 Observations BestViews::finish() {
-  // One view alone is no evidence at a depth edge, where a small error of a pose decides which surface it shows.
-  for (List& list : points_) list.count = !list.clear && list.count == 1 ? 0 : list.count;
+  // At a depth edge a small error of a pose decides which surface a view shows: one against another is no evidence.
+  for (List& list : points_) list.count = !list.clear && list.hidden && list.count == 1 ? 0 : list.count;
   Observations out;
   out.offsets.reserve(points_.size() + 1);
   out.offsets.push_back(0);
@@ -252,6 +255,7 @@ class Looker {
     const Visibility visibility = view_.depth->test(*pixel, point, normal, radius, depth_params_);
     if (visibility == Visibility::kHidden) {
       ++stats.hidden;
+      best.markHidden(i);
       return Unseen::kHidden;
     }
     if (!take(*pixel)) {

@@ -123,9 +123,9 @@ TEST(Observe, CountsWhyPointsAreNotSeen) {
   EXPECT_EQ(result.stats.masked, 1U);
   EXPECT_EQ(result.stats.edge, 1U);
   EXPECT_EQ(result.stats.seen, 1U);
-  EXPECT_EQ(result.observations.offsets, (std::vector<std::uint32_t>{0, 0, 0, 0, 0, 0, 0, 1}));
+  EXPECT_EQ(result.observations.offsets, (std::vector<std::uint32_t>{0, 0, 0, 0, 0, 0, 1, 2}));
   EXPECT_EQ(result.unseen, (std::vector<Unseen>{Unseen::kOutside, Unseen::kOutside, Unseen::kTooFar, Unseen::kHidden,
-                                                Unseen::kMasked, Unseen::kHidden, Unseen::kSeen}));
+                                                Unseen::kMasked, Unseen::kSeen, Unseen::kSeen}));
 }
 
 TEST(Observe, NanPixelIsSkippedAsMasked) {
@@ -191,7 +191,13 @@ TEST(Observe, EdgesCountOnlyWhereNothingElseDoes) {
   const auto only = look(scene, {edge, other_edge});
   EXPECT_EQ(only.observations.views, (std::vector<std::uint32_t>{1, 2}));
   EXPECT_LT(only.observations.weights[0], 0.06F * look(scene, {clear}).observations.weights[0] + 1e-6F);
-  EXPECT_EQ(look(scene, {edge}).observations.numObservations(), 0U) << "one view at an edge is no evidence";
+  EXPECT_EQ(look(scene, {edge}).observations.numObservations(), 1U);
+  auto wall = openDepth();
+  wall->depth = 0.5F;
+  ObservedView hidden = makeView(3);
+  hidden.depth = wall;
+  EXPECT_EQ(look(scene, {edge, hidden}).observations.numObservations(), 0U) << "one against another is no evidence";
+  EXPECT_EQ(look(scene, {edge, hidden, other_edge}).observations.numObservations(), 2U);
 }
 
 TEST(Observe, WeightFallsWithDistanceGrazingAndBorder) {
