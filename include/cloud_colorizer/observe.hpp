@@ -49,11 +49,11 @@ struct Observations {
 };
 
 /// Why no view coloured a point: the farthest that it came with any of them.
-enum class Unseen : std::uint8_t { kSeen, kMasked, kHidden, kTooFar, kOutside };
+enum class Unseen : std::uint8_t { kSeen, kMasked, kAbsent, kHidden, kTooFar, kOutside };
 
 /// Why views did not see points: counts of (point, view) pairs.
 struct ObserveStats {
-  std::uint64_t outside = 0, too_far = 0, hidden = 0, masked = 0, edge = 0, seen = 0;
+  std::uint64_t outside = 0, too_far = 0, hidden = 0, absent = 0, masked = 0, edge = 0, seen = 0;
 };
 
 struct ObserveResult {

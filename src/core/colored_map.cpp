@@ -126,8 +126,8 @@ std::string ColorizeSummary::describe() const {
   text.precision(3);
   text << num_colored << " of " << num_points << " points coloured in " << seconds
        << " s; the others: " << reason(Unseen::kOutside) << " in no image, " << reason(Unseen::kTooFar)
-       << " beyond max_view_distance, " << reason(Unseen::kHidden) << " hidden, " << reason(Unseen::kMasked)
-       << " masked";
+       << " beyond max_view_distance, " << reason(Unseen::kHidden) << " hidden, " << reason(Unseen::kAbsent)
+       << " gone when images were taken, " << reason(Unseen::kMasked) << " masked";
   return text.str();
 }
 

@@ -258,6 +258,10 @@ class Looker {
       best.markHidden(i);
       return Unseen::kHidden;
     }
+    if (visibility == Visibility::kAbsent) {
+      ++stats.absent;
+      return Unseen::kAbsent;
+    }
     if (!take(*pixel)) {
       ++stats.masked;
       return Unseen::kMasked;

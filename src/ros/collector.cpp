@@ -270,6 +270,7 @@ struct Collector::Impl {
            "~sensor_frame to the scanner's frame");
     }
     const Recorder::InsertCounts counts = recorder->addCloud(cloud, map_from_sensor);
+    recorder->addScan(frame, stamp.toSec(), cloud.positions, map_from_sensor);
     stats.points.added += counts.added;
     stats.points.not_finite += counts.not_finite;
     stats.points.too_near += counts.too_near;
