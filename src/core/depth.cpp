@@ -142,7 +142,6 @@ Visibility DepthImage::test(const Eigen::Vector2f& pixel, const Eigen::Vector3f&
   if (!(u >= 0 && v >= 0 && u < static_cast<float>(depth.cols) && v < static_cast<float>(depth.rows))) {
     return Visibility::kHidden;
   }
-  if (empty_space && empty_space->contains(point)) return Visibility::kAbsent;
   const int row = static_cast<int>(v), col = static_cast<int>(u);
   const float distance = point.norm(), behind = distance - depth(row, col);
   const float share = static_cast<float>(params.depth_tolerance) * distance;
@@ -158,6 +157,7 @@ Visibility DepthImage::test(const Eigen::Vector2f& pixel, const Eigen::Vector3f&
     const float own = kCellSlack * cell * std::sqrt(1 - cosine * cosine) / cosine + thickness / cosine;
     if (!(behind <= share + std::min(own, seen))) return Visibility::kHidden;
   }
+  if (empty_space && empty_space->contains(point)) return Visibility::kAbsent;
   return edge(row, col) != 0 ? Visibility::kEdge : Visibility::kVisible;
 }
 
