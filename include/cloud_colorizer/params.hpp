@@ -18,6 +18,7 @@
 #include "cloud_colorizer/recording.hpp"
 #include "cloud_colorizer/surfels.hpp"
 #include "cloud_colorizer/system.hpp"
+#include "cloud_colorizer/tone.hpp"
 
 namespace cloud_colorizer {
 
@@ -42,6 +43,7 @@ struct Params {
   ObserveParams observe;
   GraphParams graph;
   SystemParams system;
+  ToneParams tone;
   ChunkParams chunks;
   ColorizeParams colorize;
 
@@ -103,6 +105,7 @@ void visitParams(ParamsT& p, F&& f) {
   f("min_data_weight", p.system.min_data_weight, "data weight of the points that are no anchors");
   f("no_evidence_weight", p.system.no_evidence_weight, "weight of edges that no view sees whole; 0 drops them");
   f("solver", p.system.solver, "cholmod or spqr");
+  f("exposure_range", p.tone.exposure_range, "factor that a place's brightness may differ from what its cameras saw");
   f("max_chunk_points", p.chunks.max_chunk_points, "points of a chunk's core");
   f("overlap", p.chunks.overlap, "halo of a chunk as a share of its side");
   f("uncolored", p.colorize.uncolored, "keep, drop or fill the points that no view sees");
