@@ -287,6 +287,15 @@ cv::Mat3b drawSeen(const SeenImage& seen, const Values& colors, const std::vecto
   return picture;
 }
 
+/// A panel of a picture; photographs of many megapixels are shrunk.
+cv::Mat panel(const cv::Mat& picture) {
+  constexpr int kWidest = 560;
+  if (picture.cols <= kWidest) return picture;
+  cv::Mat small;
+  cv::resize(picture, small, {kWidest, picture.rows * kWidest / picture.cols}, 0, 0, cv::INTER_AREA);
+  return small;
+}
+
 void savePictures(const std::string& path, const ColoredMap& map, const SeenImage& seen, const cv::Mat3b& image) {
   constexpr float kWorstError = 60;
   const Values predicted = predict(map, seen, true);
@@ -302,10 +311,11 @@ void savePictures(const std::string& path, const ColoredMap& map, const SeenImag
   const cv::Mat3b black(bgr.size(), cv::Vec3b(0, 0, 0));
   cv::Mat3b dark;
   bgr.convertTo(dark, CV_8U, 0.35);
-  const cv::Mat left = besideEachOther({bgr, drawSeen(seen, predicted, use, black)}, {"image", map.method});
-  const cv::Mat right = besideEachOther(
-      {drawSeen(seen, predicted, use, dark), drawSeen(seen, colorScale(errors, 0, kWorstError), use, black)},
-      {"overlay", "error, 0 to 60"});
+  const cv::Mat left =
+      besideEachOther({panel(bgr), panel(drawSeen(seen, predicted, use, black))}, {"image", map.method});
+  const cv::Mat right = besideEachOther({panel(drawSeen(seen, predicted, use, dark)),
+                                         panel(drawSeen(seen, colorScale(errors, 0, kWorstError), use, black))},
+                                        {"overlay", "error, 0 to 60"});
   cv::Mat all;
   cv::vconcat(left, right, all);
   require(cv::imwrite(path, all), "cannot write ", path);
