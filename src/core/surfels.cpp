@@ -92,8 +92,8 @@ class Estimator {
     }
   }
 
-  /// Of point i into a column of `out`.
-  void estimate(std::size_t i, std::uint32_t column, Surfels& out) {
+  /// Of point i, into its column of `out`.
+  void estimate(std::size_t i, Surfels& out) {
     // The neighbours' neighbours as well: noise of the normal falls with the square of the neighbourhood.
     Moments moments;
     const std::uint32_t* const near = neighbors_.data() + i * k_;
@@ -104,9 +104,28 @@ class Estimator {
     float radius = kClosing / std::sqrt(static_cast<float>(k_)) * std::min(whole, 1.8F * half);
     if (plane.line) plane = planeAcrossLines(i, radius);
     if (plane.normal.isZero()) radius = 0.5F * third;  // not a plane: a small ball
+    const auto column = static_cast<Eigen::Index>(i);
     out.normals.col(column) = plane.normal;
     out.radii[column] = radius;
     out.offsets[column] = std::min(radius, std::max(-radius, plane.offset));
+  }
+
+  /// What a plane through the neighbours of a curved surface lies too deep by, m along the normal of point i: the mean
+  /// of the neighbours' own offsets, as far as their scatter lets it be told. On a slab of noisy points it is nothing.
+  float curvatureOffset(std::size_t i, const Surfels& planes) const {
+    constexpr float kScatter = 0.25F;  // of the variance: more than noise of a mean over the neighbours' neighbours has
+    const Eigen::Vector3f normal = planes.normals.col(static_cast<Eigen::Index>(i));
+    const std::uint32_t* const near = neighbors_.data() + i * k_;
+    float sum = 0, squares = 0, weight = 0;
+    for (std::size_t j = 0; j < k_; ++j) {
+      const float cosine = normal.dot(planes.normals.col(near[j])), offset = planes.offsets[near[j]];
+      sum += cosine * std::abs(cosine) * offset;  // an edge's other side counts little
+      squares += cosine * cosine * offset * offset;
+      weight += cosine * cosine;
+    }
+    if (sum == 0) return 0;
+    const float mean = sum / weight, variance = squares / weight - mean * mean;
+    return mean * std::max(0.0F, 1 - kScatter * variance / (mean * mean));
   }
 
  private:
@@ -154,7 +173,14 @@ Surfels estimateSurfels(PointsRef points, const SurfelParams& params) {
   Points sorted(3, n);
   for (std::size_t i = 0; i < order.size(); ++i) sorted.col(static_cast<Eigen::Index>(i)) = points.col(order[i]);
   Estimator estimator(sorted, static_cast<std::size_t>(params.num_neighbors));
-  for (std::size_t i = 0; i < order.size(); ++i) estimator.estimate(i, order[i], surfels);
+  Surfels planes = surfels;  // in the order of `sorted`
+  for (std::size_t i = 0; i < order.size(); ++i) estimator.estimate(i, planes);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const auto from = static_cast<Eigen::Index>(i);
+    surfels.normals.col(order[i]) = planes.normals.col(from);
+    surfels.radii[order[i]] = planes.radii[from];
+    surfels.offsets[order[i]] = planes.offsets[from] - estimator.curvatureOffset(i, planes);
+  }
   return surfels;
 }
 

@@ -80,6 +80,20 @@ TEST(Surfels, OffsetsThinTheSlab) {
   EXPECT_LT(after, before / 9);  // a third of the thickness
 }
 
+TEST(Surfels, CurvedSurfaceKeepsItsSize) {
+  std::mt19937 random(4);
+  std::normal_distribution<float> normal;
+  Points sphere(3, 3000);
+  for (Eigen::Index i = 0; i < sphere.cols(); ++i) {
+    sphere.col(i) = Eigen::Vector3f(normal(random), normal(random), normal(random)).normalized();
+  }
+  const Surfels surfels = estimateSurfels(sphere, kParams);
+  double sum = 0;
+  for (Eigen::Index i = 0; i < sphere.cols(); ++i) sum += 1 - surfels.onSurface(i, sphere.col(i)).norm();
+  const double spacing = std::sqrt(4 * M_PI / 3000);
+  EXPECT_LT(std::abs(sum / 3000), 0.01 * spacing);  // planes through the neighbours lie 0.11 spacings too deep
+}
+
 TEST(Surfels, DiscsCloseTheSurface) {
   for (const double noise : {0.0, 0.02}) {
     const test::Scan scan = noisyPlane(noise);
