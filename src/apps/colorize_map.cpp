@@ -6,7 +6,7 @@
 #include "cloud_colorizer/import_model.hpp"
 #include "cloud_colorizer/io.hpp"
 #include "command_line.hpp"
-#include "scratch_directory.hpp"
+#include "recording_folder.hpp"
 
 int main(int argc, char** argv) {
   using namespace cloud_colorizer;
@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
   return runMain(argc, argv, spec, [](const CommandLine& line, const Callbacks& callbacks) {
     const std::string output = line.option("output");
     CloudWriter::checkPath(output);
-    const ScratchDirectory scratch(line.option("recording"), output);
+    const RecordingFolder scratch(line.option("recording"), output);
     const Recording recording = importModel({line.option("cloud"), line.option("images"), line.option("model")},
                                             scratch.path(), line.params.record, callbacks);
     const ColorizeSummary summary = colorize(recording, line.params, callbacks);
