@@ -14,7 +14,7 @@
 namespace cloud_colorizer {
 
 struct ToneParams {
-  double exposure_range = 1.25;  ///< factor by which the brightness of a place may differ from what its cameras saw;
+  double exposure_range = 1.1;   ///< factor by which the brightness of a place may differ from what its cameras saw;
                                  ///< beyond it the map follows them
 
   void check() const;

@@ -52,7 +52,7 @@ ZOrderGrid globalGrid(const Recording& recording) {
 
 /// What the gains of the alignment did to the brightness of each place.
 ToneField toneField(const Workspace& work) {
-  const double reach = work.params().depth.max_view_distance / 4;
+  const double reach = work.params().depth.max_view_distance / 8;
   std::vector<ViewTone> tones;
   for (std::size_t v = 0; v < work.recording().views().size(); ++v) {
     const CorrectedView& view = work.corrected(v);
