@@ -15,6 +15,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <string>
@@ -84,6 +85,12 @@ class Recording {
   struct State;
   std::shared_ptr<const State> state_;
 };
+
+/// What the scans around a moment tell a camera at a pose; null where there are none. `ranges`: emptyRanges() of a
+/// scan.
+std::shared_ptr<const EmptySpace> emptySpaceAt(
+    const Recording& recording, const ScanTimes& times, double stamp, const Eigen::Isometry3d& map_from_camera,
+    const std::function<std::shared_ptr<const cv::Mat1w>(std::size_t scan)>& ranges);
 
 /// Appends to a recording. Used from one thread at a time.
 /// After flush() (and by itself about once a second) everything survives a SIGKILL of the process.

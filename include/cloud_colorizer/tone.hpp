@@ -14,8 +14,8 @@
 namespace cloud_colorizer {
 
 struct ToneParams {
-  double exposure_range = 1.1;   ///< factor by which the brightness of a place may differ from what its cameras saw;
-                                 ///< beyond it the map follows them
+  double exposure_range = 1.1;  ///< factor by which the brightness of a place may differ from what its cameras saw;
+                                ///< beyond it the map follows them
 
   void check() const;
 };

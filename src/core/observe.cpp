@@ -13,8 +13,8 @@ namespace {
 
 constexpr float kEdgeWeight = 0.05F;
 constexpr float kSaturatedWeight = 0.05F;  // the true value is unknown, only that it is brighter
-constexpr float kFullWeightBorder = 20;  // px from the usable border to where an observation counts fully
-constexpr std::uint32_t kBlock = 4;      // slots that a point's list grows by
+constexpr float kFullWeightBorder = 20;    // px from the usable border to where an observation counts fully
+constexpr std::uint32_t kBlock = 4;        // slots that a point's list grows by
 constexpr std::uint32_t kNone = 0xFFFFFFFFU;
 
 struct Sighting {

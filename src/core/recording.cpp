@@ -138,4 +138,15 @@ cv::Mat1w Recording::readScan(std::size_t scan) const {
   return panorama;
 }
 
+std::shared_ptr<const EmptySpace> emptySpaceAt(
+    const Recording& recording, const ScanTimes& times, double stamp, const Eigen::Isometry3d& map_from_camera,
+    const std::function<std::shared_ptr<const cv::Mat1w>(std::size_t)>& ranges) {
+  EmptySpace space;
+  for (const std::size_t scan : times.around(stamp)) {
+    const Eigen::Isometry3d sensor_from_camera = recording.scans()[scan].map_from_sensor.inverse() * map_from_camera;
+    space.add(ranges(scan), sensor_from_camera.cast<float>());
+  }
+  return space.knowsNothing() ? nullptr : std::make_shared<const EmptySpace>(std::move(space));
+}
+
 }  // namespace cloud_colorizer

@@ -240,12 +240,9 @@ DepthImage Workspace::readDepth(std::size_t view) {
 
 std::shared_ptr<const EmptySpace> Workspace::emptySpace(std::size_t view, const Eigen::Isometry3d& map_from_camera) {
   if (!params_.depth.use_scans) return nullptr;
-  EmptySpace space;
-  for (const std::size_t scan : scan_times_.around(recording_.views()[view].stamp)) {
-    const Eigen::Isometry3d sensor_from_camera = recording_.scans()[scan].map_from_sensor.inverse() * map_from_camera;
-    space.add(scans_.get(scan), sensor_from_camera.cast<float>());
-  }
-  return space.knowsNothing() ? nullptr : std::make_shared<const EmptySpace>(std::move(space));
+  const double stamp = recording_.views()[view].stamp;
+  return emptySpaceAt(recording_, scan_times_, stamp, map_from_camera,
+                      [this](std::size_t scan) { return scans_.get(scan); });
 }
 
 bool Workspace::hasColors(std::size_t tile) const {

@@ -77,9 +77,10 @@ Eigen::Vector3f bilinear(const cv::Mat3b& image, const Eigen::Vector2f& pixel) {
 
 /// All points that the view sees clearly, whatever their colour.
 SeenImage lookAtPoints(PointsRef points, const Surfels& surfels, const Camera& camera, const View& view,
-                       const cv::Mat3b& image, const cv::Mat& mask, const Params& params) {
+                       const cv::Mat3b& image, const cv::Mat& mask,
+                       const std::shared_ptr<const EmptySpace>& empty_space, const Params& params) {
   const Eigen::Isometry3f camera_from_map = view.map_from_camera.inverse().cast<float>();
-  DepthSplatter splatter(camera, camera_from_map, params.depth);
+  DepthSplatter splatter(camera, camera_from_map, params.depth, empty_space);
   splatter.add(points, surfels);
   const DepthImage depth = splatter.finish();
   SeenImage seen;
@@ -360,6 +361,14 @@ HeldoutResult scoreHeldout(const Recording& recording, const HeldoutParams& para
   const Surfels surfels = estimateSurfels(points, params.params.surfels);
   const std::vector<Edge> neighbors = shortLinks(points);
 
+  const ScanTimes scan_times(recording.scans());
+  const auto emptyAt = [&](const View& view) -> std::shared_ptr<const EmptySpace> {
+    if (!params.params.depth.use_scans) return nullptr;
+    return emptySpaceAt(recording, scan_times, view.stamp, view.map_from_camera, [&](std::size_t scan) {
+      return std::make_shared<const cv::Mat1w>(emptyRanges(recording.readScan(scan)));
+    });
+  };
+
   std::vector<std::vector<Errors>> errors(heldout.size());
   std::mutex mutex;
   std::size_t done = 0;
@@ -367,8 +376,8 @@ HeldoutResult scoreHeldout(const Recording& recording, const HeldoutParams& para
     const View& view = recording.views()[heldout[h]];
     const Camera camera(recording.cameras()[view.camera].intrinsics);
     const cv::Mat3b image = recording.readImage(heldout[h]);
-    const SeenImage seen =
-        lookAtPoints(points, surfels, camera, view, image, recording.readMask(view.camera), params.params);
+    const SeenImage seen = lookAtPoints(points, surfels, camera, view, image, recording.readMask(view.camera),
+                                        emptyAt(view), params.params);
     const std::vector<std::uint8_t> moved = movedPoints(*median_map, seen, params.moved_error);
     for (const ColoredMap& map : maps) {
       Errors found = compare(map, seen, moved, neighbors);
