@@ -6,8 +6,10 @@
 /// smoothly over metres, what the cameras saw of each place, as far as that is needed.
 #pragma once
 
-#include <Eigen/Geometry>
-#include <vector>
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <map>
 
 #include "cloud_colorizer/types.hpp"
 
@@ -20,28 +22,27 @@ struct ToneParams {
   void check() const;
 };
 
-/// What a view tells: where it looks, and the factor that made it agree with the others.
-struct ViewTone {
-  Eigen::Vector3f place = Eigen::Vector3f::Zero();  ///< m, in the midst of what it sees
-  float gain = 1;
+/// Samples of the logarithm of the gain that made the views of a point agree with the others.
+struct ToneSum {
+  double log_gain = 0, count = 0;
 };
+using ToneCell = std::array<std::int32_t, 3>;  ///< the cube [index, index + 1) * cell size
+using ToneCells = std::map<ToneCell, ToneSum>;
 
 class ToneField {
  public:
-  /// `reach` [m]: views so far from a place still count there by a quarter.
-  ToneField(std::vector<ViewTone> views, double reach, const ToneParams& params);
+  ToneField() = default;  ///< changes nothing
+  /// Blurs the samples over about two cells. `cell`: m, side of the cells.
+  ToneField(const ToneCells& samples, double cell, const ToneParams& params);
 
-  /// Multiplies the values of points in a box: exact at its corners, trilinear between them, so that boxes that share a
-  /// side agree on it. `values`: m x n, of the points' columns.
-  void apply(const Eigen::AlignedBox3f& box, PointsRef points, Values& values) const;
+  /// Multiplies the values (m x n) of points by the factors of their places.
+  void apply(PointsRef points, Values& values) const;
 
-  /// The factor at one place.
-  float factorAt(const Eigen::Vector3f& place) const;
+  static ToneCell cellOf(const Eigen::Vector3f& place, double cell);
 
  private:
-  std::vector<ViewTone> views_;
-  float reach_, limit_;  ///< m; log
-  bool changes_ = false;
+  double cell_ = 1;
+  std::map<ToneCell, float> log_factors_;  ///< at the centres of cells
 };
 
 }  // namespace cloud_colorizer

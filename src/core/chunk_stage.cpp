@@ -6,7 +6,6 @@
 #include "cloud_colorizer/chunks.hpp"
 #include "cloud_colorizer/parallel.hpp"
 #include "cloud_colorizer/point_colors.hpp"
-#include "cloud_colorizer/tone.hpp"
 #include "progress.hpp"
 #include "stages.hpp"
 
@@ -50,19 +49,6 @@ ZOrderGrid globalGrid(const Recording& recording) {
   return grid;
 }
 
-/// What the gains of the alignment did to the brightness of each place.
-ToneField toneField(const Workspace& work) {
-  const double reach = work.params().depth.max_view_distance / 8;
-  std::vector<ViewTone> tones;
-  for (std::size_t v = 0; v < work.recording().views().size(); ++v) {
-    const CorrectedView& view = work.corrected(v);
-    const Eigen::Vector3d ahead = view.map_from_camera * Eigen::Vector3d(0, 0, reach);
-    const float gain = view.exposure.gain.size() > 0 ? std::exp(view.exposure.gain.log().mean()) : 1;
-    tones.push_back({ahead.cast<float>(), gain});
-  }
-  return {std::move(tones), reach, work.params().tone};
-}
-
 /// Writes the colours of the core's tiles; column k of `colors` belongs to gathered point order[k].
 void writeCore(const Workspace& work, const Chunk& chunk, const std::vector<Index>& order, const ToneField& tone,
                const Points& points, const PointColors& colors, const std::vector<Unseen>& unseen) {
@@ -77,7 +63,7 @@ void writeCore(const Workspace& work, const Chunk& chunk, const std::vector<Inde
                                      column_of.begin() + static_cast<std::ptrdiff_t>(gathered + count));
     gathered += count;
     out.values = gatherColumns(colors.values, columns);
-    tone.apply(tileBox(work.recording(), tile), gatherColumns(points, columns), out.values);
+    tone.apply(gatherColumns(points, columns), out.values);
     out.values = out.values.cwiseMax(0.F).cwiseMin(255.F);
     for (std::size_t i = 0; i < count; ++i) {
       const Index k = columns[i];
@@ -96,10 +82,7 @@ void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid, con
   const std::vector<Index> order(sorted.begin(), sorted.end());
   surface = gatherSurface(surface, order);
 
-  std::vector<std::size_t> views;
-  for (std::size_t view = 0; view < work.recording().views().size(); ++view) {
-    if (work.mayObserve(view, chunk.box_with_halo)) views.push_back(view);
-  }
+  const std::vector<std::size_t> views = work.viewsOf(chunk.box_with_halo);
   const auto viewAt = [&](std::size_t k) { return work.observedView(views[k]); };
   const Params& params = work.params();
   const ObserveResult seen =
@@ -112,7 +95,7 @@ void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid, con
 
 }  // namespace
 
-void colorChunks(Workspace& work, const Callbacks& callbacks) {
+void colorChunks(Workspace& work, const ToneField& tone, const Callbacks& callbacks) {
   const Recording& recording = work.recording();
   const Params& params = work.params();
   std::vector<Chunk> chunks = planChunks(recording.tiles(), recording.tileSize(), params.chunks);
@@ -120,7 +103,6 @@ void colorChunks(Workspace& work, const Callbacks& callbacks) {
   std::stable_sort(chunks.begin(), chunks.end(),
                    [](const Chunk& a, const Chunk& b) { return a.num_core_points > b.num_core_points; });
   const ZOrderGrid grid = globalGrid(recording);
-  const ToneField tone = toneField(work);
 
   const std::size_t largest = chunks.empty() ? 1 : std::max<std::size_t>(1, chunks.front().num_core_points);
   const double halo_factor = std::pow(1 + 2 * params.chunks.overlap, 2);  // points lie on surfaces

@@ -32,8 +32,9 @@ ColorizeSummary colorize(const Recording& recording, const Params& params, const
   makeSurfels(work, callbacks);  // per tile: what closes the surface between the points
   alignViews(work, callbacks);   // all views: exposure and small corrections of the poses
   work.prepareColors();
-  makeDepthImages(work, callbacks);  // per view: what it can see of the whole map
-  colorChunks(work, callbacks);      // per chunk: observe, graph, system, solve; eq. (1)-(5)
+  makeDepthImages(work, callbacks);                  // per view: what it can see of the whole map
+  const ToneField tone = makeTone(work, callbacks);  // whole map: what the exposures did to each place
+  colorChunks(work, tone, callbacks);                // per chunk: observe, graph, system, solve; eq. (1)-(5)
 
   ColorizeSummary summary = summarize(work);
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "cloud_colorizer/colorize.hpp"
+#include "cloud_colorizer/tone.hpp"
 #include "cloud_colorizer/types.hpp"
 #include "workspace.hpp"
 
@@ -13,7 +14,9 @@ namespace cloud_colorizer {
 void makeSurfels(Workspace& work, const Callbacks& callbacks);
 void alignViews(Workspace& work, const Callbacks& callbacks);
 void makeDepthImages(Workspace& work, const Callbacks& callbacks);
-void colorChunks(Workspace& work, const Callbacks& callbacks);
+/// What the brightness of each place is multiplied by; nothing unless the exposures differ a lot.
+ToneField makeTone(Workspace& work, const Callbacks& callbacks);
+void colorChunks(Workspace& work, const ToneField& tone, const Callbacks& callbacks);
 
 /// Counts the coloured points and why the others are not.
 ColorizeSummary summarize(const Workspace& work);

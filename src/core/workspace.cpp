@@ -327,6 +327,14 @@ ObservedView Workspace::observedView(std::size_t view) {
   return observed;
 }
 
+std::vector<std::size_t> Workspace::viewsOf(const Eigen::AlignedBox3f& box) const {
+  std::vector<std::size_t> views;
+  for (std::size_t view = 0; view < recording_.views().size(); ++view) {
+    if (mayObserve(view, box)) views.push_back(view);
+  }
+  return views;
+}
+
 bool Workspace::mayObserve(std::size_t view, const Eigen::AlignedBox3f& box) const {
   const double radius = 0.5 * box.diagonal().cast<double>().norm();
   const Eigen::Vector3d center = corrections_[view].map_from_camera.inverse() * box.center().cast<double>();

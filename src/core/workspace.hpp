@@ -66,6 +66,7 @@ class Workspace {
 
   /// Whether any point of a box can lie in the view: nearer than max_view_distance and inside a cone around its image.
   bool mayObserve(std::size_t view, const Eigen::AlignedBox3f& box) const;
+  std::vector<std::size_t> viewsOf(const Eigen::AlignedBox3f& box) const;  ///< all that may observe a point in it
 
   /// What the scans of a view's moment tell; null where there are none. The view may be at another pose than its own.
   std::shared_ptr<const EmptySpace> emptySpace(std::size_t view, const Eigen::Isometry3d& map_from_camera);

@@ -75,6 +75,8 @@ Eigen::Vector3f bilinear(const cv::Mat3b& image, const Eigen::Vector2f& pixel) {
   return value;
 }
 
+constexpr float kSaturated = 250;
+
 /// All points that the view sees clearly, whatever their colour.
 SeenImage lookAtPoints(PointsRef points, const Surfels& surfels, const Camera& camera, const View& view,
                        const cv::Mat3b& image, const cv::Mat& mask,
@@ -95,11 +97,13 @@ SeenImage lookAtPoints(PointsRef points, const Surfels& surfels, const Camera& c
     if (!mask.empty() && mask.at<std::uint8_t>(cv::Point(cvRound(pixel->x()), cvRound(pixel->y()))) == 0) continue;
     const Eigen::Vector3f normal = camera_from_map.linear() * surfels.normals.col(p);
     if (depth.test(*pixel, local, normal, surfels.radii[p], params.depth) != Visibility::kVisible) continue;
+    const Eigen::Vector3f value = bilinear(image, *pixel);
+    if (value.maxCoeff() >= kSaturated) continue;  // what is brighter than the image holds tells no colour
     seen.points.push_back(p);
     seen.pixels.push_back(*pixel);
     seen.depths.push_back(local.z());
     seen.pixel_radii.push_back(surfels.radii[p] * static_cast<float>(camera.intrinsics().fx) / local.z());
-    values.push_back(bilinear(image, *pixel));
+    values.push_back(value);
   }
   seen.values.resize(3, static_cast<Index>(values.size()));
   for (std::size_t k = 0; k < values.size(); ++k) seen.values.col(static_cast<Index>(k)) = values[k];
