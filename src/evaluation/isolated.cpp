@@ -28,14 +28,6 @@ Parts partsOf(const std::string& graph, PointsRef points) {
   return parts;
 }
 
-Values truthOf(const TestBed& bed, const ObservedBed& observed) {
-  Values truth(3, observed.points.cols());
-  for (std::size_t k = 0; k < observed.seen.size(); ++k) {
-    truth.col(static_cast<Eigen::Index>(k)) = bed.truth.col(observed.seen[k]);
-  }
-  return truth;
-}
-
 }  // namespace
 
 Table makeIsolated(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks) {
@@ -51,7 +43,7 @@ Table makeIsolated(const Mesh& mesh, const TablesParams& params, const Callbacks
     const TestBed bed =
         addNoise(renderTestBed(mesh, bed_params), params.noise, bed_params.seed, bed_params.num_threads);
     const ObservedBed observed = observeBed(bed, bed.poses, {}, params.method);
-    const Values truth = truthOf(bed, observed);
+    const Values truth = seenTruth(bed, observed);
     const Fused mean = fuseMean(observed.observations);
     SystemParams system = params.method.system;
     system.min_data_weight = 0;  // as in the paper
