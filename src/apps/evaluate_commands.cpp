@@ -4,8 +4,12 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <iostream>
+#include <iterator>
+#include <set>
 #include <sstream>
+#include <utility>
 
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/evaluation/clouds.hpp"
@@ -26,9 +30,17 @@ double numberOption(const CommandLine& line, const std::string& name, double oth
   return value;
 }
 
+/// The command that makes all of a report (so without --only).
 std::string joined(int argc, char** argv) {
   std::string command = "rosrun cloud_colorizer evaluate";
-  for (int i = 0; i < argc; ++i) command += std::string(" ") + argv[i];
+  for (int i = 0; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--only") {
+      ++i;
+    } else if (argument.rfind("--only=", 0) != 0) {
+      command += " " + argument;
+    }
+  }
   return command;
 }
 
@@ -48,7 +60,7 @@ const std::vector<OptionSpec> kBedOptions = {
     {"pixel", "SIGMA", "noise of a pixel, of 255 (5)"},
     {"seed", "N", "of points and noise (1)"},
     {"sizes", "N,N,...", "numbers of points of table 2 (65000,...,5980000)"},
-    {"time-limit", "S", "processor time of one row (120; with --quick 20)"},
+    {"time-limit", "S", "processor time of one row (60; with --quick 20)"},
     {"memory-limit", "MB", "memory of one row (8000)"}};
 
 std::vector<std::size_t> sizesOption(const CommandLine& line) {
@@ -91,6 +103,27 @@ std::vector<Mesh> meshesOf(const CommandLine& line) {
   return meshes;
 }
 
+/// The tables that are not computed now, from an earlier run; an empty one where there was none.
+Table tableOf(const std::string& directory, const std::string& name) {
+  std::ifstream file(directory + "/" + name + ".csv");
+  if (!file) return Table{};
+  return parseCsv({std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()});
+}
+
+std::set<std::string> partsOption(const CommandLine& line) {
+  const std::set<std::string> all = {"table1", "table2", "isolated", "density"};
+  if (!line.has("only")) return all;
+  std::set<std::string> parts;
+  std::istringstream text(line.option("only"));
+  for (std::string part; std::getline(text, part, ',');) {
+    if (all.count(part) == 0) {
+      throw UsageError("option --only knows table1, table2, isolated and density, not '" + part + "'");
+    }
+    parts.insert(part);
+  }
+  return parts;
+}
+
 Eigen::Matrix3Xf relative(const Eigen::Matrix3Xd& positions, const Eigen::Vector3d& origin) {
   return (positions.colwise() - origin).cast<float>();
 }
@@ -102,17 +135,24 @@ int runTables(int argc, char** argv) {
   spec.program = "evaluate tables";
   spec.summary = "The paper's tables 1 and 2 with all their rows, and its figure 4, as CSV, PNG and TABLES.md.";
   spec.options = kBedOptions;
+  spec.options.push_back({"only", "PARTS", "of table1,table2,isolated,density; the others are read from --output"});
   return runMain(argc, argv, spec, [&](const CommandLine& line, const Callbacks& callbacks) {
     const TablesParams params = tablesParams(line);
     const std::vector<Mesh> meshes = meshesOf(line);
-    makeDirectory(line.option("output"));
+    const std::string output = line.option("output");
+    makeDirectory(output);
+    const std::set<std::string> parts = partsOption(line);
     Tables tables;
     // Table 2 first: its processes measure memory, and inherit what this one has in use.
-    tables.table2 = makeTable2(meshes.front(), params, callbacks);
-    tables.isolated = makeIsolated(meshes.front(), params, callbacks);
-    tables.density = makeDensity(meshes, params, callbacks);
-    tables.table1 = makeTable1(meshes, params, callbacks);
-    logMessages(writeTables(line.option("output"), tables, joined(argc, argv)), callbacks);
+    if (parts.count("table2") != 0) tables.table2 = makeTable2(meshes.front(), params, callbacks);
+    if (parts.count("isolated") != 0) tables.isolated = makeIsolated(meshes.front(), params, callbacks);
+    if (parts.count("density") != 0) tables.density = makeDensity(meshes, params, callbacks);
+    if (parts.count("table1") != 0) tables.table1 = makeTable1(meshes, params, callbacks);
+    for (const auto& [name, table] : {std::pair("table1", &tables.table1.table), std::pair("table2", &tables.table2),
+                                      std::pair("isolated", &tables.isolated), std::pair("density", &tables.density)}) {
+      if (parts.count(name) == 0) *table = tableOf(output, name);
+    }
+    logMessages(writeTables(output, tables, joined(argc, argv)), callbacks);
     for (const std::string& bar : checkBars(tables)) std::cout << bar << "\n";
   });
 }

@@ -31,11 +31,7 @@ Params paperParams(const Params& from) {
 std::vector<std::string> scored(const std::string& what, const std::string& value, const std::string& noise,
                                 const TestBed& bed, const ObservedBed& observed, const Values& values, double seconds,
                                 double seam) {
-  Values truth(3, observed.points.cols());
-  for (std::size_t k = 0; k < observed.seen.size(); ++k) {
-    truth.col(static_cast<Index>(k)) = bed.truth.col(observed.seen[k]);
-  }
-  const Score score = scoreColors(truth, values, std::vector<std::uint8_t>(observed.seen.size(), 1));
+  const Score score = scoreColors(seenTruth(bed, observed), values, std::vector<std::uint8_t>(observed.seen.size(), 1));
   const double coverage = static_cast<double>(observed.seen.size()) / static_cast<double>(bed.points.cols());
   return {what,
           value,

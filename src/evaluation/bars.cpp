@@ -70,6 +70,7 @@ std::string defaultBar(const Group& g) {
 /// The paper's failure: where the points are no uniform samples, 5-NN has parts without an anchor.
 std::vector<std::string> isolatedBars(const Table& isolated) {
   std::vector<std::string> sentences;
+  if (isolated.rows.empty()) return sentences;
   const Table nearest = isolated.where("graph", "5-NN");
   for (std::size_t r = 0; r < nearest.rows.size(); ++r) {
     const double share = number(nearest, r, "unanchored_percent"), plain = number(nearest, r, "plain_aep"),

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <mutex>
 #include <numeric>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/colorize.hpp"
@@ -15,7 +13,7 @@
 #include "cloud_colorizer/evaluation/refine_pose.hpp"
 #include "cloud_colorizer/evaluation/score.hpp"
 #include "cloud_colorizer/parallel.hpp"
-#include "cloud_colorizer/picture.hpp"
+#include "heldout_pictures.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -51,14 +49,6 @@ ColoredMap colorMap(const Recording& training, const HeldoutParams& params, Meth
   require(next == map.points.cols(), "the coloured map has ", next, " points, the recording ", map.points.cols());
   return map;
 }
-
-/// A held-out image at the points that it shows.
-struct SeenImage {
-  std::vector<Index> points;
-  std::vector<float> depths, pixel_radii;
-  std::vector<Eigen::Vector2f> pixels;
-  Values values;  ///< 3 x number of points
-};
 
 Eigen::Vector3f bilinear(const cv::Mat3b& image, const Eigen::Vector2f& pixel) {
   const float x = std::clamp(pixel.x(), 0.F, static_cast<float>(image.cols - 1));
@@ -271,61 +261,6 @@ std::vector<std::string> cells(const std::string& method, const Errors& e) {
           formatNumber(100 * share(e.moved, e.colored), 2)};
 }
 
-/// Points as squares of their size, far ones first, over `background` (BGR).
-cv::Mat3b drawSeen(const SeenImage& seen, const Values& colors, const std::vector<std::uint8_t>& use,
-                   const cv::Mat3b& background) {
-  std::vector<std::size_t> order(seen.points.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return seen.depths[a] > seen.depths[b]; });
-  cv::Mat3b picture = background.clone();
-  for (const std::size_t k : order) {
-    if (use[k] == 0) continue;
-    const float half = std::clamp(seen.pixel_radii[k], 0.5F, 8.F);
-    const cv::Point low(cvRound(seen.pixels[k].x() - half), cvRound(seen.pixels[k].y() - half));
-    const cv::Point high(cvRound(seen.pixels[k].x() + half), cvRound(seen.pixels[k].y() + half));
-    const auto column = static_cast<Index>(k);
-    cv::rectangle(picture, low, high,
-                  cv::Scalar(static_cast<double>(colors(2, column)), static_cast<double>(colors(1, column)),
-                             static_cast<double>(colors(0, column))),
-                  cv::FILLED);
-  }
-  return picture;
-}
-
-/// A panel of a picture; photographs of many megapixels are shrunk.
-cv::Mat panel(const cv::Mat& picture) {
-  constexpr int kWidest = 560;
-  if (picture.cols <= kWidest) return picture;
-  cv::Mat small;
-  cv::resize(picture, small, {kWidest, picture.rows * kWidest / picture.cols}, 0, 0, cv::INTER_AREA);
-  return small;
-}
-
-void savePictures(const std::string& path, const ColoredMap& map, const SeenImage& seen, const cv::Mat3b& image) {
-  constexpr float kWorstError = 60;
-  const Values predicted = predict(map, seen, true);
-  std::vector<std::uint8_t> use(seen.points.size());
-  Eigen::VectorXf errors(static_cast<Index>(seen.points.size()));
-  for (std::size_t k = 0; k < use.size(); ++k) {
-    use[k] = map.colored[static_cast<std::size_t>(seen.points[k])];
-    errors[static_cast<Index>(k)] =
-        (predicted.col(static_cast<Index>(k)) - seen.values.col(static_cast<Index>(k))).cwiseAbs().mean();
-  }
-  cv::Mat3b bgr;
-  cv::cvtColor(image, bgr, cv::COLOR_RGB2BGR);
-  const cv::Mat3b black(bgr.size(), cv::Vec3b(0, 0, 0));
-  cv::Mat3b dark;
-  bgr.convertTo(dark, CV_8U, 0.35);
-  const cv::Mat left =
-      besideEachOther({panel(bgr), panel(drawSeen(seen, predicted, use, black))}, {"image", map.method});
-  const cv::Mat right = besideEachOther({panel(drawSeen(seen, predicted, use, dark)),
-                                         panel(drawSeen(seen, colorScale(errors, 0, kWorstError), use, black))},
-                                        {"overlay", "error, 0 to 60"});
-  cv::Mat all;
-  cv::vconcat(left, right, all);
-  require(cv::imwrite(path, all), "cannot write ", path);
-}
-
 /// Short links of the surface: those of one Z-order pass that are not longer than three times their median.
 std::vector<Edge> shortLinks(PointsRef points) {
   ZOrderGrid grid;
@@ -388,7 +323,11 @@ HeldoutResult scoreHeldout(const Recording& recording, const HeldoutParams& para
       found.refined = compare(map, atRefinedPose(map, seen, camera, view, image), moved, {}).trimmed;
       errors[h].push_back(std::move(found));
     }
-    savePictures(directory + "/view_" + std::to_string(heldout[h]) + ".png", maps.back(), seen, image);
+    const ColoredMap& last = maps.back();
+    std::vector<std::uint8_t> colored;
+    for (const Index p : seen.points) colored.push_back(last.colored[static_cast<std::size_t>(p)]);
+    savePictures(directory + "/view_" + std::to_string(heldout[h]) + ".png", last.method, seen,
+                 predict(last, seen, true), colored, image);
     const std::lock_guard<std::mutex> lock(mutex);
     if (callbacks.progress) callbacks.progress({"held-out views", ++done, heldout.size(), 0, -1});
   });

@@ -12,37 +12,41 @@
 namespace cloud_colorizer {
 namespace {
 
-struct Parts {
-  std::size_t count = 0;
-  double largest = 0;  ///< share of the points
-};
-
-Parts partsOf(const std::string& graph, PointsRef points) {
-  const auto num_points = static_cast<std::size_t>(points.cols());
+/// Cells of one row: points, number of parts, share of the largest, share without an anchor, errors plain and anchored.
+std::vector<std::string> measureParts(const std::string& graph, const TestBed& bed, const ObservedBed& observed,
+                                      SystemParams system) {
   std::map<std::uint32_t, std::size_t> sizes;
-  for (const std::uint32_t label : connectedComponents(num_points, buildGraph(graph, points).edges)) ++sizes[label];
-  Parts parts{sizes.size(), 0};
-  for (const auto& [label, size] : sizes) {
-    parts.largest = std::max(parts.largest, static_cast<double>(size) / static_cast<double>(num_points));
+  for (const std::uint32_t label :
+       connectedComponents(observed.seen.size(), buildGraph(graph, observed.points).edges)) {
+    ++sizes[label];
   }
-  return parts;
-}
-
-Values truthOf(const TestBed& bed, const ObservedBed& observed) {
-  Values truth(3, observed.points.cols());
-  for (std::size_t k = 0; k < observed.seen.size(); ++k) {
-    truth.col(static_cast<Eigen::Index>(k)) = bed.truth.col(observed.seen[k]);
-  }
-  return truth;
+  std::size_t largest = 0;
+  for (const auto& [label, size] : sizes) largest = std::max(largest, size);
+  system.min_data_weight = 0;  // as in the paper
+  const Fused mean = fuseMean(observed.observations);
+  const auto solve = [&](Unanchored unanchored) {
+    return solveOnGraph(graph, observed.points, observed.observations, mean, system, unanchored);
+  };
+  const auto aep = [&](const GraphSolution& solution) {
+    const std::vector<std::uint8_t> all(observed.seen.size(), 1);
+    return formatNumber(scoreColors(seenTruth(bed, observed), solution.values, all).aep, 3);
+  };
+  const GraphSolution plain = solve(Unanchored::kPlain), anchored = solve(Unanchored::kAnchored);
+  const auto count = static_cast<double>(observed.seen.size());
+  return {std::to_string(observed.seen.size()),
+          std::to_string(sizes.size()),
+          formatNumber(100 * static_cast<double>(largest) / count, 1),
+          formatNumber(100 * plain.unanchored_share, 3),
+          aep(plain),
+          aep(anchored)};
 }
 
 }  // namespace
 
 Table makeIsolated(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks) {
   constexpr std::size_t kMostPoints = 65000;  // the share does not depend on it: uniform samples look alike at any size
-  Table table;
-  table.header = {"sampling",           "graph",     "points", "parts", "largest_part_percent",
-                  "unanchored_percent", "plain_aep", "aep"};
+  Table table{
+      {"sampling", "graph", "points", "parts", "largest_part_percent", "unanchored_percent", "plain_aep", "aep"}, {}};
   std::size_t done = 0;
   for (const double ratio : {0.0, 5.0, 10.0}) {
     TestBedParams bed_params = params.bed;
@@ -51,25 +55,28 @@ Table makeIsolated(const Mesh& mesh, const TablesParams& params, const Callbacks
     const TestBed bed =
         addNoise(renderTestBed(mesh, bed_params), params.noise, bed_params.seed, bed_params.num_threads);
     const ObservedBed observed = observeBed(bed, bed.poses, {}, params.method);
-    const Values truth = truthOf(bed, observed);
-    const Fused mean = fuseMean(observed.observations);
-    SystemParams system = params.method.system;
-    system.min_data_weight = 0;  // as in the paper
     for (const std::string graph : {"5-NN", "20-NN", "4-pass"}) {
       if (callbacks.cancelled && callbacks.cancelled()) throw Cancelled();
       if (graph != "4-pass" && !hasNearestNeighbors()) continue;
-      const auto solve = [&](Unanchored unanchored) {
-        return solveOnGraph(graph, observed.points, observed.observations, mean, system, unanchored);
-      };
-      const auto aep = [&](const GraphSolution& solution) {
-        return scoreColors(truth, solution.values, std::vector<std::uint8_t>(observed.seen.size(), 1)).aep;
-      };
-      const Parts parts = partsOf(graph, observed.points);
-      const GraphSolution plain = solve(Unanchored::kPlain), anchored = solve(Unanchored::kAnchored);
-      table.add({ratio == 0 ? "uniform" : "scan lines 1 : " + formatNumber(ratio, 0), graph,
-                 std::to_string(observed.seen.size()), std::to_string(parts.count),
-                 formatNumber(100 * parts.largest, 1), formatNumber(100 * plain.unanchored_share, 3),
-                 formatNumber(aep(plain), 3), formatNumber(aep(anchored), 3)});
+      const std::string sampling = ratio == 0 ? "uniform" : "scan lines 1 : " + formatNumber(ratio, 0);
+      // In a process of its own, as all graphs without an order: their solver leaves OpenMP threads behind, and a
+      // process that is forked after that would wait for them for ever.
+      const LimitedRun run = runLimited(
+          [&] {
+            Table row{table.header, {}};
+            std::vector<std::string> cells = {sampling, graph};
+            for (const std::string& cell : measureParts(graph, bed, observed, params.method.system)) {
+              cells.push_back(cell);
+            }
+            row.add(cells);
+            return csv(row);
+          },
+          params.limits);
+      if (run.status == "ok") {
+        table.add(parseCsv(run.bytes).rows[0]);
+      } else {
+        table.add({sampling, graph, std::to_string(observed.seen.size()), run.status, "-", "-", "-", "-"});
+      }
       if (callbacks.progress) callbacks.progress({"isolated parts", ++done, 9, 0, -1});
     }
   }

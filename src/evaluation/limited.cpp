@@ -64,7 +64,7 @@ double processorSeconds(pid_t process) {
 
 /// Reads until the child closes the pipe; false when its time is over.
 bool readInTime(int file, pid_t child, double seconds, std::string& bytes) {
-  constexpr double kWallFactor = 10;  // a child that waits for ever uses no processor
+  constexpr double kWallFactor = 50;  // a child that waits for ever uses no processor
   constexpr int kLongestWait = 100;   // ms
   char buffer[65536];
   StopWatch watch;

@@ -164,6 +164,14 @@ ObservedBed observeBed(const TestBed& bed, const std::vector<Eigen::Isometry3d>&
   return observed;
 }
 
+Values seenTruth(const TestBed& bed, const ObservedBed& observed) {
+  Values truth(3, observed.points.cols());
+  for (std::size_t k = 0; k < observed.seen.size(); ++k) {
+    truth.col(static_cast<Index>(k)) = bed.truth.col(observed.seen[k]);
+  }
+  return truth;
+}
+
 std::vector<std::string> methodNames() {
   return {"closest",  "mean", "median", "5-NN plain", "5-NN",   "20-NN plain", "20-NN",
           "DT plain", "DT",   "1-pass", "2-pass",     "3-pass", "4-pass",      "default"};

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
@@ -243,27 +244,33 @@ std::string describeRun(const std::string& command) {
 
 std::vector<std::string> writeTables(const std::string& directory, const Tables& tables, const std::string& command) {
   makeDirectory(directory);
-  std::vector<std::string> messages;
-  const Table& table1 = tables.table1.table;
-  writeText(directory + "/table1.csv", csv(table1));
-  writeText(directory + "/table2.csv", csv(tables.table2));
-  writeText(directory + "/isolated.csv", csv(tables.isolated));
-  writeText(directory + "/density.csv", csv(tables.density));
+  const std::string run = describeRun(command);
   const cv::Mat& closeup = tables.table1.closeup;
   require(closeup.empty() || cv::imwrite(directory + "/closeups.png", closeup), "cannot write ", directory,
           "/closeups.png");
-  plotErrors(directory, table1, messages);
-  plotTimes(directory, tables.table2, messages);
-  const std::string run = describeRun(command);
-  const std::vector<std::pair<std::string, std::string>> parts = {
-      {"table1", table1Text(table1, run)},           {"table2", table2Text(tables.table2, run)},
-      {"growth", markdown(growthOf(tables.table2))}, {"isolated", markdown(tables.isolated)},
-      {"density", markdown(tables.density)},         {"bars", barsText(tables)}};
+  std::vector<std::string> messages;
   std::string all = "# The paper's tables\n";
-  for (const auto& [name, text] : parts) {
+  const auto write = [&](const std::string& name, const std::string& text) {
     writeText(directory + "/" + name + ".md", text);
     all += "\n## " + name + "\n\n" + text;
-  }
+  };
+  const auto writeTable = [&](const std::string& name, const Table& table, const std::function<std::string()>& text) {
+    if (table.rows.empty()) return;
+    writeText(directory + "/" + name + ".csv", csv(table));
+    write(name, text());
+  };
+  writeTable("table1", tables.table1.table, [&] {
+    plotErrors(directory, tables.table1.table, messages);
+    return table1Text(tables.table1.table, run);
+  });
+  writeTable("density", tables.density, [&] { return markdown(tables.density); });
+  writeTable("isolated", tables.isolated, [&] { return markdown(tables.isolated); });
+  writeTable("table2", tables.table2, [&] {
+    plotTimes(directory, tables.table2, messages);
+    write("growth", markdown(growthOf(tables.table2)));
+    return table2Text(tables.table2, run);
+  });
+  write("bars", barsText(tables));
   writeText(directory + "/TABLES.md", all);
   return messages;
 }

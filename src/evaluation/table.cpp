@@ -30,6 +30,28 @@ std::string csvCell(const std::string& text) {
   return quoted + "\"";
 }
 
+/// The cells of the line that begins at `at`, which comes to stand at the next one.
+std::vector<std::string> parseLine(const std::string& text, std::size_t& at) {
+  std::vector<std::string> cells(1);
+  bool quoted = false;
+  for (; at < text.size(); ++at) {
+    const char c = text[at];
+    if (c == '"' && quoted && at + 1 < text.size() && text[at + 1] == '"') {
+      cells.back() += text[++at];
+    } else if (c == '"') {
+      quoted = !quoted;
+    } else if (c == ',' && !quoted) {
+      cells.emplace_back();
+    } else if (c == '\n' && !quoted) {
+      ++at;
+      break;
+    } else {
+      cells.back() += c;
+    }
+  }
+  return cells;
+}
+
 }  // namespace
 
 void Table::add(const std::vector<std::string>& row) {
@@ -70,6 +92,18 @@ std::string csv(const Table& table) {
     text += joined(row, "", ",", "");
   }
   return text;
+}
+
+Table parseCsv(const std::string& text) {
+  std::size_t at = 0;
+  Table table{parseLine(text, at), {}};
+  while (at < text.size()) {
+    const std::vector<std::string> row = parseLine(text, at);
+    require(row.size() == table.header.size(), "row ", table.rows.size() + 1, " of a CSV file has ", row.size(),
+            " cells under a header of ", table.header.size());
+    table.rows.push_back(row);
+  }
+  return table;
 }
 
 std::string markdown(const Table& table) {

@@ -88,6 +88,10 @@ TEST(Table, CsvQuotesAndMarkdownLines) {
   Table table{{"a", "b"}, {}};
   table.add({"1", "x, \"y\""});
   EXPECT_EQ(csv(table), "a,b\n1,\"x, \"\"y\"\"\"\n");
+  EXPECT_EQ(parseCsv(csv(table)).header, table.header);
+  EXPECT_EQ(parseCsv(csv(table)).rows, table.rows);
+  EXPECT_THROW(parseCsv("a,b\n1\n"), std::runtime_error);
+  EXPECT_TRUE(parseCsv("a,b\n").rows.empty());
   EXPECT_EQ(markdown(table), "| a | b |\n|---|---|\n| 1 | x, \"y\" |\n");
   EXPECT_EQ(table.columns({"b"}).rows[0][0], "x, \"y\"");
   EXPECT_TRUE(table.where("a", "2").rows.empty());

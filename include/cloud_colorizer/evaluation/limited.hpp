@@ -10,7 +10,7 @@
 namespace cloud_colorizer {
 
 struct Limits {
-  double seconds = 120;     ///< of a processor; ten times as long by the clock on the wall
+  double seconds = 60;      ///< of a processor; fifty times as long by the clock on the wall
   double megabytes = 8000;  ///< beyond what the caller has in use
 };
 

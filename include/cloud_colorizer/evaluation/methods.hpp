@@ -29,6 +29,9 @@ ObservedBed observeBed(const TestBed& bed, const std::vector<Eigen::Isometry3d>&
                        const std::vector<Exposure>& exposures, const Params& params,
                        const std::vector<float>& weights = {});
 
+/// The true colours of the seen points.
+Values seenTruth(const TestBed& bed, const ObservedBed& observed);
+
 /// A fine grid about the points.
 ZOrderGrid gridOf(PointsRef points);
 

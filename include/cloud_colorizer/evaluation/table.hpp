@@ -23,6 +23,8 @@ struct Table {
 };
 
 std::string csv(const Table& table);
+/// Reads what csv() writes. Throws std::runtime_error for a row that is not as long as the header.
+Table parseCsv(const std::string& text);
 std::string markdown(const Table& table);
 
 /// "3.142" with `digits` decimals; "-" for a number that is not finite.

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Pictures of a held-out image and of what a map predicts for it.
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "cloud_colorizer/types.hpp"
+
+namespace cloud_colorizer {
+
+/// A held-out image at the points that it shows.
+struct SeenImage {
+  std::vector<Eigen::Index> points;
+  std::vector<float> depths, pixel_radii;
+  std::vector<Eigen::Vector2f> pixels;
+  Values values;  ///< 3 x number of points
+};
+
+/// Writes the image (RGB), the predicted colours of the points in use, both over each other, and the error.
+void savePictures(const std::string& path, const std::string& method, const SeenImage& seen, const Values& predicted,
+                  const std::vector<std::uint8_t>& use, const cv::Mat3b& image);
+
+}  // namespace cloud_colorizer
