@@ -13,6 +13,7 @@
 #include "cloud_colorizer/alignment/gains.hpp"
 #include "cloud_colorizer/alignment/intensity.hpp"
 #include "cloud_colorizer/alignment/poses.hpp"
+#include "cloud_colorizer/alignment/significance.hpp"
 #include "cloud_colorizer/alignment/tracks.hpp"
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/parallel.hpp"
@@ -80,6 +81,7 @@ class Aligner {
   void findClocks();
   void refine();
   void updateGains(const PoseData& data);
+  void shrink(const PoseData& data);
   void refuse();
   void report();
   void warnAboutCamera(std::size_t c);
@@ -227,6 +229,7 @@ void Aligner::refine() {
     const PoseData data{&input_, &tracks_, &images, &log_gains_, sigmas[level], ranks_.size() > 0 ? &ranks_ : nullptr};
     updateGains(data);
     const PoseRounds rounds = refinePoses(data, priors_, params_.alignment_rounds, input_.num_threads, state_);
+    if (level + 1 == sigmas.size()) shrink(data);
     if (!callbacks_.log) continue;
     std::ostringstream text;
     text << "Alignment at a blur of " << sigmas[level] << " px: residual " << rounds.residual_first << " to "
@@ -235,6 +238,24 @@ void Aligner::refine() {
     callbacks_.log(LogLevel::kInfo, text.str());
   }
   poll("align poses", sigmas.size(), sigmas.size());
+}
+
+// Corrections that are no larger than their uncertainty are left out.
+void Aligner::shrink(const PoseData& data) {
+  const PoseShrinkage shrinkage = shrinkPoses(data, priors_, input_.num_threads, state_);
+  for (std::size_t c = 0; c < input_.cameras.size(); ++c) {
+    const Shrinkage &common = shrinkage.cameras[c], &views = shrinkage.views[c];
+    result_.cameras[c].uncertainty = common.uncertainty;
+    result_.cameras[c].views_uncertainty = views.uncertainty;
+    if (!callbacks_.log || (common.factor > 0 && views.factor > 0)) continue;
+    std::ostringstream text;
+    text << std::setprecision(2) << "Alignment of camera_" << c << ": corrections no larger than their uncertainty are"
+         << " left out (";
+    if (common.factor == 0) text << "of the camera: " << common.pixels << " +- " << common.uncertainty << " px";
+    if (common.factor == 0 && views.factor == 0) text << ", ";
+    if (views.factor == 0) text << "of its views: " << views.pixels << " +- " << views.uncertainty << " px";
+    callbacks_.log(LogLevel::kInfo, text.str() + ")");
+  }
 }
 
 // Median distance of each view's observations to their points' medians, and of all.

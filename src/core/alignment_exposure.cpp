@@ -5,6 +5,7 @@
 
 #include "cloud_colorizer/alignment/exposure.hpp"
 #include "cloud_colorizer/alignment/gains.hpp"
+#include "cloud_colorizer/alignment/significance.hpp"
 #include "cloud_colorizer/parallel.hpp"
 
 namespace cloud_colorizer::alignment {
@@ -55,6 +56,13 @@ std::vector<Channel> sampleChannels(const AlignmentInput& input, const Tracks& t
   return channels;
 }
 
+// Views that differ by no more than what the images get wrong together are equally bright.
+void shrinkGains(Eigen::VectorXd& log_gains) {
+  constexpr double kSystematic = 0.005;
+  const double size = std::sqrt(log_gains.squaredNorm() / std::max<double>(1, static_cast<double>(log_gains.size())));
+  log_gains *= shrinkFactor(size, kSystematic);
+}
+
 }  // namespace
 
 std::vector<Exposure> estimateExposures(const AlignmentInput& input, const Tracks& tracks, const PoseState& state,
@@ -64,8 +72,8 @@ std::vector<Exposure> estimateExposures(const AlignmentInput& input, const Track
   const std::vector<Channel> channels = sampleChannels(input, tracks, state, sigma);
   for (Eigen::Index c = 0; c < 3; ++c) {
     const Channel& channel = channels[static_cast<std::size_t>(c)];
-    const Eigen::VectorXd gains =
-        estimateLogGains(tracks, channel.values, channel.weights, max_gain, input.num_threads);
+    Eigen::VectorXd gains = estimateLogGains(tracks, channel.values, channel.weights, max_gain, input.num_threads);
+    shrinkGains(gains);
     for (std::size_t v = 0; v < exposures.size(); ++v) {
       exposures[v].gain[c] = static_cast<float>(std::exp(gains[static_cast<Eigen::Index>(v)]));
     }
