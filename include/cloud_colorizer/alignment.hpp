@@ -36,7 +36,7 @@ struct AlignmentParams {
   double extrinsic_rotation_prior = 0.2;   ///< deg an axis, of a camera on its vehicle
   double extrinsic_translation_prior = 0;  ///< m an axis; 0: as the rotation, in pixels
   double time_offset_prior = 0.05;         ///< s, of a camera's clock
-  double max_gain = 2.5;                   ///< gains stay within [1 / max_gain, max_gain]
+  double max_gain = 5;                     ///< gains stay within [1 / max_gain, max_gain]
 
   void check() const;
 };

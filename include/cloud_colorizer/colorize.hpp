@@ -20,7 +20,7 @@ namespace cloud_colorizer {
 
 struct ColorizeSummary {
   std::size_t num_points = 0, num_colored = 0;
-  std::array<std::size_t, 5> by_reason{};  ///< number of points, by Unseen
+  std::array<std::size_t, 6> by_reason{};  ///< number of points, by Unseen
   double seconds = 0;
   std::string describe() const;  ///< one line for the log
 };

@@ -41,19 +41,19 @@ struct Observations {
   std::vector<std::uint32_t> offsets;  ///< n + 1
   std::vector<std::uint32_t> views;    ///< view ids
   std::vector<float> distances;        ///< m, from the camera centre to the point
-  std::vector<float> weights;          ///< 0 to 1, quality of the observation; at a depth edge it is small
-  Values values;                       ///< m x number of observations, exposure applied
+  std::vector<float> weights;  ///< 0 to 1, quality of the observation; small at a depth edge and where saturated
+  Values values;               ///< m x number of observations, exposure applied
 
   std::size_t numPoints() const { return offsets.empty() ? 0 : offsets.size() - 1; }
   std::size_t numObservations() const { return views.size(); }
 };
 
 /// Why no view coloured a point: the farthest that it came with any of them.
-enum class Unseen : std::uint8_t { kSeen, kMasked, kHidden, kTooFar, kOutside };
+enum class Unseen : std::uint8_t { kSeen, kMasked, kAbsent, kHidden, kTooFar, kOutside };
 
 /// Why views did not see points: counts of (point, view) pairs.
 struct ObserveStats {
-  std::uint64_t outside = 0, too_far = 0, hidden = 0, masked = 0, edge = 0, seen = 0;
+  std::uint64_t outside = 0, too_far = 0, hidden = 0, absent = 0, masked = 0, edge = 0, seen = 0;
 };
 
 struct ObserveResult {

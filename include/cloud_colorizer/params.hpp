@@ -18,6 +18,7 @@
 #include "cloud_colorizer/recording.hpp"
 #include "cloud_colorizer/surfels.hpp"
 #include "cloud_colorizer/system.hpp"
+#include "cloud_colorizer/tone.hpp"
 
 namespace cloud_colorizer {
 
@@ -42,6 +43,7 @@ struct Params {
   ObserveParams observe;
   GraphParams graph;
   SystemParams system;
+  ToneParams tone;
   ChunkParams chunks;
   ColorizeParams colorize;
 
@@ -81,6 +83,7 @@ void visitParams(ParamsT& p, F&& f) {
   f("keyframe_distance", p.record.keyframe_distance, "m that a camera moves before its next view is kept");
   f("keyframe_angle", p.record.keyframe_angle, "deg that a camera turns before its next view is kept");
   f("tile_size", p.record.tile_size, "m, side of a tile of the recording; 0: 200 voxels");
+  f("scan_resolution", p.record.scan_resolution, "deg a cell of the scans that tell empty space; 0 keeps none");
   f("max_open_tiles", p.record.max_open_tiles, "tiles whose voxels are held in memory while recording");
   f("num_neighbors", p.surfels.num_neighbors, "points that give a surfel's normal and radius");
   f("depth_cell_size", p.depth.depth_cell_size, "px of the image to a cell of the depth image");
@@ -88,6 +91,7 @@ void visitParams(ParamsT& p, F&& f) {
   f("depth_edge_guard", p.depth.depth_edge_guard, "px beside a depth edge where a view counts little");
   f("clear_radius", p.depth.clear_radius,
     "m around the places of the cameras that were free: points there hide nothing");
+  f("use_scans", p.depth.use_scans, "what the scan of a view's moment saw through hides nothing and is not coloured");
   f("max_view_distance", p.depth.max_view_distance, "m; views farther away do not colour a point");
   visitAlignmentParams(p.alignment, f);
   f("max_views", p.observe.max_views, "a point keeps its best views up to this number");
@@ -101,6 +105,7 @@ void visitParams(ParamsT& p, F&& f) {
   f("min_data_weight", p.system.min_data_weight, "data weight of the points that are no anchors");
   f("no_evidence_weight", p.system.no_evidence_weight, "weight of edges that no view sees whole; 0 drops them");
   f("solver", p.system.solver, "cholmod or spqr");
+  f("exposure_range", p.tone.exposure_range, "factor that a place's brightness may differ from what its cameras saw");
   f("max_chunk_points", p.chunks.max_chunk_points, "points of a chunk's core");
   f("overlap", p.chunks.overlap, "halo of a chunk as a share of its side");
   f("uncolored", p.colorize.uncolored, "keep, drop or fill the points that no view sees");

@@ -6,6 +6,8 @@
 ///   cameras.yaml     intrinsics and mask of every camera
 ///   views.csv        one line a view: camera, stamp, pose, image file
 ///   images/<camera>/ the images as received
+///   scans.csv        one line a scan: stamp, pose, file of ranges
+///   scans/           which ranges the sensor measured at that moment, as 16 bit PNG
 ///   tiles/x_y_z.pcd  the points of one cube, positions relative to the origin
 /// Whatever else lies in it (depth/, colored/, ...) is derived and may be deleted.
 #pragma once
@@ -13,6 +15,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <string>
@@ -20,6 +23,7 @@
 
 #include "cloud_colorizer/camera.hpp"
 #include "cloud_colorizer/cloud.hpp"
+#include "cloud_colorizer/scan.hpp"
 #include "cloud_colorizer/types.hpp"
 #include "cloud_colorizer/view.hpp"
 
@@ -32,6 +36,7 @@ struct RecordParams {
   double tile_size = 0;            ///< m, side of a tile; 0: 200 voxels, or 10 m where voxel_size is 0
   double keyframe_distance = 0.5;  ///< m; a view is kept when its camera moved this far since its last view,
   double keyframe_angle = 10;      ///< deg; or turned by this angle
+  double scan_resolution = 0.5;    ///< deg a cell of the scans that tell empty space; 0 keeps no scans
   int max_open_tiles = 1024;       ///< tiles whose voxels are held in memory; a 60 m scan touches about 400
 
   void check() const;
@@ -65,6 +70,7 @@ class Recording {
   const std::vector<Field>& fields() const;  ///< of a point, without x, y, z
   const std::vector<RecordedCamera>& cameras() const;
   const std::vector<View>& views() const;
+  const std::vector<Scan>& scans() const;
   const std::vector<Tile>& tiles() const;  ///< ascending by index
   std::size_t numPoints() const;
 
@@ -72,12 +78,19 @@ class Recording {
   std::vector<std::uint8_t> readRecords(std::size_t tile) const;  ///< packed records of fields()
   cv::Mat readImage(std::size_t view) const;   ///< CV_8UC3, RGB; grey images become grey RGB; throws when undecodable
   cv::Mat readMask(std::size_t camera) const;  ///< CV_8UC1, or empty when the camera has none
+  cv::Mat1w readScan(std::size_t scan) const;  ///< of makeRangePanorama()
 
  private:
   friend class Recorder;
   struct State;
   std::shared_ptr<const State> state_;
 };
+
+/// What the scans around a moment tell a camera at a pose; null where there are none. `ranges`: emptyRanges() of a
+/// scan.
+std::shared_ptr<const EmptySpace> emptySpaceAt(
+    const Recording& recording, const ScanTimes& times, double stamp, const Eigen::Isometry3d& map_from_camera,
+    const std::function<std::shared_ptr<const cv::Mat1w>(std::size_t scan)>& ranges);
 
 /// Appends to a recording. Used from one thread at a time.
 /// After flush() (and by itself about once a second) everything survives a SIGKILL of the process.
@@ -105,6 +118,11 @@ class Recorder {
   /// map_from_camera is in the map frame, not yet relative to the origin. Returns the view's index.
   std::size_t addView(std::uint32_t camera, double stamp, const Eigen::Isometry3d& map_from_camera,
                       const std::vector<std::uint8_t>& encoded_image, const std::string& extension);
+
+  /// Keeps which ranges a sensor measured at a moment, if it moved by a quarter of what makes a keyframe since its last
+  /// scan. Positions in the sensor's frame; `sensor` is any name that tells sensors apart.
+  void addScan(const std::string& sensor, double stamp, const Eigen::Matrix3Xd& positions,
+               const Eigen::Isometry3d& map_from_sensor);
 
   void flush();
   Recording snapshot();  ///< flushes

@@ -13,7 +13,7 @@
 #include "cloud_colorizer/ros/bag_source.hpp"
 #include "cloud_colorizer/ros/params.hpp"
 #include "command_line.hpp"
-#include "scratch_directory.hpp"
+#include "recording_folder.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -71,7 +71,7 @@ void run(const CommandLine& line, const Callbacks& callbacks) {
   const std::string output = line.option("output");
   CloudWriter::checkPath(output);
   prepareModelFolder(line);
-  const ScratchDirectory scratch(line.option("recording"), output);
+  const RecordingFolder scratch(line.option("recording"), output);
   record(line, scratch.path(), callbacks);
   const Recording recording = Recording::open(scratch.path());
   const ColorizeSummary summary = colorize(recording, line.params, callbacks);

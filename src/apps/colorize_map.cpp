@@ -10,7 +10,7 @@
 #include "cloud_colorizer/import_model.hpp"
 #include "cloud_colorizer/io.hpp"
 #include "command_line.hpp"
-#include "scratch_directory.hpp"
+#include "recording_folder.hpp"
 
 namespace {
 
@@ -46,7 +46,7 @@ int main(int argc, char** argv) {
         std::filesystem::equivalent(line.option("write-model"), line.option("model"), ignored)) {
       throw UsageError("--write-model would replace the --model that is read; give it another folder");
     }
-    const ScratchDirectory scratch(line.option("recording"), output);
+    const RecordingFolder scratch(line.option("recording"), output);
     const Recording recording = importModel({line.option("cloud"), line.option("images"), line.option("model")},
                                             scratch.path(), line.params.record, callbacks);
     const ColorizeSummary summary = colorize(recording, line.params, callbacks);

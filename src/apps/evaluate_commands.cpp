@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
+#include <sstream>
 
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/evaluation/clouds.hpp"
@@ -46,8 +47,23 @@ const std::vector<OptionSpec> kBedOptions = {
     {"gain", "SHARE", "noise of the brightness of a view (0.1)"},
     {"pixel", "SIGMA", "noise of a pixel, of 255 (5)"},
     {"seed", "N", "of points and noise (1)"},
-    {"time-limit", "S", "wall time of one row (600; with --quick 20)"},
+    {"sizes", "N,N,...", "numbers of points of table 2 (65000,...,5980000)"},
+    {"time-limit", "S", "processor time of one row (120; with --quick 20)"},
     {"memory-limit", "MB", "memory of one row (8000)"}};
+
+std::vector<std::size_t> sizesOption(const CommandLine& line) {
+  std::vector<std::size_t> sizes;
+  std::istringstream text(line.option("sizes"));
+  for (std::string size; std::getline(text, size, ',');) {
+    char* end = nullptr;
+    sizes.push_back(std::strtoull(size.c_str(), &end, 10));
+    if (size.empty() || *end != '\0' || sizes.back() == 0) {
+      throw UsageError("option --sizes must be numbers of points with commas between, not '" + line.option("sizes") +
+                       "'");
+    }
+  }
+  return sizes;
+}
 
 TablesParams tablesParams(const CommandLine& line) {
   TablesParams params = line.has("quick") ? TablesParams::quick() : TablesParams{};
@@ -63,6 +79,7 @@ TablesParams tablesParams(const CommandLine& line) {
   params.noise.pixel = numberOption(line, "pixel", params.noise.pixel);
   params.limits.seconds = numberOption(line, "time-limit", params.limits.seconds);
   params.limits.megabytes = numberOption(line, "memory-limit", params.limits.megabytes);
+  if (line.has("sizes")) params.table2_sizes = sizesOption(line);
   params.bed.check();
   params.noise.check();
   return params;
@@ -89,11 +106,14 @@ int runTables(int argc, char** argv) {
     const TablesParams params = tablesParams(line);
     const std::vector<Mesh> meshes = meshesOf(line);
     makeDirectory(line.option("output"));
+    Tables tables;
     // Table 2 first: its processes measure memory, and inherit what this one has in use.
-    const Table table2 = makeTable2(meshes.front(), params, callbacks);
-    const Table1 table1 = makeTable1(meshes, params, callbacks);
-    logMessages(writeTables(line.option("output"), table1, table2, joined(argc, argv)), callbacks);
-    for (const std::string& bar : checkBars(table1.table, table2)) std::cout << bar << "\n";
+    tables.table2 = makeTable2(meshes.front(), params, callbacks);
+    tables.isolated = makeIsolated(meshes.front(), params, callbacks);
+    tables.density = makeDensity(meshes, params, callbacks);
+    tables.table1 = makeTable1(meshes, params, callbacks);
+    logMessages(writeTables(line.option("output"), tables, joined(argc, argv)), callbacks);
+    for (const std::string& bar : checkBars(tables)) std::cout << bar << "\n";
   });
 }
 
@@ -126,8 +146,7 @@ int runHeldout(int argc, char** argv) {
     const std::string output = line.option("output");
     makeDirectory(output);
     const HeldoutResult result = scoreHeldout(Recording::open(line.positionals[0]), params, output, callbacks);
-    writeText(output + "/HELDOUT.md", "# Held-out views\n\nCommand: `" + joined(argc, argv) +
-                                          "`\n\nMachine: " + describeMachine() + "\n\n" + markdown(result.methods));
+    writeText(output + "/heldout.md", describeRun(joined(argc, argv)) + markdown(result.methods));
     std::cout << markdown(result.methods);
   });
 }

@@ -45,6 +45,19 @@ void checkInput(const AlignmentInput& input) {
                                  "alignment: needs a source of images and of depth images");
 }
 
+// A camera whose images are not 8-bit, or -1.
+int cameraBeyond8Bit(const AlignmentInput& input) {
+  std::vector<bool> seen(input.cameras.size(), false);
+  for (std::size_t v = 0; v < input.views.size(); ++v) {
+    const std::uint32_t camera = input.views[v].camera;
+    if (seen[camera]) continue;
+    seen[camera] = true;
+    const auto image = input.images(v);
+    if (image && image->depth() != CV_8U) return static_cast<int>(camera);
+  }
+  return -1;
+}
+
 // The input with its points moved onto the surface, as all stages look at them.
 AlignmentInput onSurface(const AlignmentInput& input) {
   AlignmentInput moved = input;
@@ -341,6 +354,12 @@ void Aligner::report() {
 
 AlignmentResult Aligner::run() {
   if (!params_.align_exposure && params_.align_poses == AlignPoses::kNone) return std::move(result_);
+  if (const int camera = cameraBeyond8Bit(input_); camera >= 0) {
+    result_.warnings.push_back("Nothing was aligned: the images of camera_" + std::to_string(camera) +
+                               " are not 8 bits a channel; convert them, or set align_exposure false and align_poses "
+                               "none to be without this warning.");
+    return std::move(result_);
+  }
   if (params_.align_to_intensity) ranks_ = intensityRanks(input_.intensity);
   look(true);
   if (!hasOverlap()) return std::move(result_);

@@ -6,6 +6,7 @@
 #include "cloud_colorizer/chunks.hpp"
 #include "cloud_colorizer/parallel.hpp"
 #include "cloud_colorizer/point_colors.hpp"
+#include "cloud_colorizer/tone.hpp"
 #include "progress.hpp"
 #include "stages.hpp"
 
@@ -49,9 +50,22 @@ ZOrderGrid globalGrid(const Recording& recording) {
   return grid;
 }
 
+/// What the gains of the alignment did to the brightness of each place.
+ToneField toneField(const Workspace& work) {
+  const double reach = work.params().depth.max_view_distance / 8;
+  std::vector<ViewTone> tones;
+  for (std::size_t v = 0; v < work.recording().views().size(); ++v) {
+    const CorrectedView& view = work.corrected(v);
+    const Eigen::Vector3d ahead = view.map_from_camera * Eigen::Vector3d(0, 0, reach);
+    const float gain = view.exposure.gain.size() > 0 ? std::exp(view.exposure.gain.log().mean()) : 1;
+    tones.push_back({ahead.cast<float>(), gain});
+  }
+  return {std::move(tones), reach, work.params().tone};
+}
+
 /// Writes the colours of the core's tiles; column k of `colors` belongs to gathered point order[k].
-void writeCore(const Workspace& work, const Chunk& chunk, const std::vector<Index>& order, const PointColors& colors,
-               const std::vector<Unseen>& unseen) {
+void writeCore(const Workspace& work, const Chunk& chunk, const std::vector<Index>& order, const ToneField& tone,
+               const Points& points, const PointColors& colors, const std::vector<Unseen>& unseen) {
   std::vector<Index> column_of(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) column_of[static_cast<std::size_t>(order[k])] = static_cast<Index>(k);
   std::size_t gathered = 0;
@@ -59,9 +73,14 @@ void writeCore(const Workspace& work, const Chunk& chunk, const std::vector<Inde
     const std::size_t count = work.recording().tiles()[tile].num_points;
     TileColors out{Values(3, static_cast<Index>(count)), std::vector<std::uint16_t>(count), std::vector<float>(count),
                    std::vector<Unseen>(count)};
+    const std::vector<Index> columns(column_of.begin() + static_cast<std::ptrdiff_t>(gathered),
+                                     column_of.begin() + static_cast<std::ptrdiff_t>(gathered + count));
+    gathered += count;
+    out.values = gatherColumns(colors.values, columns);
+    tone.apply(tileBox(work.recording(), tile), gatherColumns(points, columns), out.values);
+    out.values = out.values.cwiseMax(0.F).cwiseMin(255.F);
     for (std::size_t i = 0; i < count; ++i) {
-      const Index k = column_of[gathered++];
-      out.values.col(static_cast<Index>(i)) = colors.values.col(k).cwiseMax(0.F).cwiseMin(255.F);
+      const Index k = columns[i];
       out.count[i] = static_cast<std::uint16_t>(std::min(colors.count[k], 65535));
       out.stddev[i] = colors.stddev[k];
       out.unseen[i] = unseen[static_cast<std::size_t>(k)];
@@ -70,7 +89,7 @@ void writeCore(const Workspace& work, const Chunk& chunk, const std::vector<Inde
   }
 }
 
-void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid) {
+void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid, const ToneField& tone) {
   Surface surface = gatherChunk(work, chunk);
   // In Z-order, what is near in space is near in memory: several times faster gradients and factorisation.
   const auto sorted = zorderSort(zorderKeys(surface.points, grid), zorderMask(0));
@@ -88,7 +107,7 @@ void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid) {
   PointColors colors = colorPoints(surface.points, seen.observations, grid, params);
   // Without a view nothing tells the number of channels.
   if (views.empty()) colors.values = Values::Zero(3, surface.size());
-  writeCore(work, chunk, order, colors, seen.unseen);
+  writeCore(work, chunk, order, tone, surface.points, colors, seen.unseen);
 }
 
 }  // namespace
@@ -101,6 +120,7 @@ void colorChunks(Workspace& work, const Callbacks& callbacks) {
   std::stable_sort(chunks.begin(), chunks.end(),
                    [](const Chunk& a, const Chunk& b) { return a.num_core_points > b.num_core_points; });
   const ZOrderGrid grid = globalGrid(recording);
+  const ToneField tone = toneField(work);
 
   const std::size_t largest = chunks.empty() ? 1 : std::max<std::size_t>(1, chunks.front().num_core_points);
   const double halo_factor = std::pow(1 + 2 * params.chunks.overlap, 2);  // points lie on surfaces
@@ -112,7 +132,7 @@ void colorChunks(Workspace& work, const Callbacks& callbacks) {
   parallelFor(num_threads, chunks.size(), [&](std::size_t c) {
     const auto& tiles = chunks[c].core_tiles;
     const bool todo = !std::all_of(tiles.begin(), tiles.end(), [&](std::size_t tile) { return work.hasColors(tile); });
-    if (todo) colorChunk(work, chunks[c], grid);
+    if (todo) colorChunk(work, chunks[c], grid, tone);
     progress.add(chunks[c].num_core_points, todo);
   });
 }

@@ -63,6 +63,36 @@ Cloud makeCloud(const Recording& recording, std::size_t tile, const TileColors& 
   return cloud;
 }
 
+/// The colours that were made with these parameters; nobody colours anew while they are read.
+class ColoredTiles {
+ public:
+  ColoredTiles(const Recording& recording, const Params& params)
+      : lock_(recording.directory(), false), work_(recording, params) {
+    if (params.colorize.method == Method::kDefault) work_.restoreCorrections();
+    work_.requireColors();
+  }
+
+  std::size_t numPoints() const {
+    return uncolored() == Uncolored::kDrop ? summarize(work_).num_colored : work_.recording().numPoints();
+  }
+
+  void visit(bool relative, const std::function<void(const Cloud&)>& visitor) {
+    for (std::size_t tile = 0; tile < work_.recording().tiles().size(); ++tile) {
+      TileColors colors = work_.readColors(tile);
+      if (uncolored() == Uncolored::kFill) fillUncolored(work_, tile, colors);
+      std::vector<bool> keep(colors.count.size());
+      for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = uncolored() != Uncolored::kDrop || colors.count[i] > 0;
+      visitor(makeCloud(work_.recording(), tile, colors, relative, keep));
+    }
+  }
+
+ private:
+  Uncolored uncolored() const { return work_.params().colorize.uncolored; }
+
+  FolderLock lock_;
+  Workspace work_;
+};
+
 }  // namespace
 
 std::vector<Field> coloredFields(const Recording& recording) {
@@ -79,28 +109,17 @@ std::vector<Field> coloredFields(const Recording& recording) {
 
 void forEachColoredTile(const Recording& recording, const Params& params, bool relative,
                         const std::function<void(const Cloud&)>& visit) {
-  const FolderLock lock(recording.directory(), false);
-  Workspace work(recording, params);
-  if (params.colorize.method == Method::kDefault) work.restoreCorrections();
-  work.requireColors();
-  const bool drop = params.colorize.uncolored == Uncolored::kDrop;
-  for (std::size_t tile = 0; tile < recording.tiles().size(); ++tile) {
-    TileColors colors = work.readColors(tile);
-    if (params.colorize.uncolored == Uncolored::kFill) fillUncolored(work, tile, colors);
-    std::vector<bool> keep(colors.count.size());
-    for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = !drop || colors.count[i] > 0;
-    visit(makeCloud(recording, tile, colors, relative, keep));
-  }
+  ColoredTiles(recording, params).visit(relative, visit);
 }
 
 std::size_t saveColored(const Recording& recording, const Params& params, const std::string& path,
                         const Callbacks& callbacks) {
   CloudWriter::checkPath(path);
-  std::size_t num_points = recording.numPoints();
-  if (params.colorize.uncolored == Uncolored::kDrop) num_points = summarize(Workspace(recording, params)).num_colored;
+  ColoredTiles tiles(recording, params);
+  const std::size_t num_points = tiles.numPoints();
   CloudWriter writer(path, num_points, coloredFields(recording), !recording.origin().isZero());
   ProgressMeter progress(callbacks, "save", num_points);
-  forEachColoredTile(recording, params, false, [&](const Cloud& cloud) {
+  tiles.visit(false, [&](const Cloud& cloud) {
     writer.write(cloud);
     progress.add(static_cast<std::size_t>(cloud.positions.cols()));
   });
@@ -126,8 +145,8 @@ std::string ColorizeSummary::describe() const {
   text.precision(3);
   text << num_colored << " of " << num_points << " points coloured in " << seconds
        << " s; the others: " << reason(Unseen::kOutside) << " in no image, " << reason(Unseen::kTooFar)
-       << " beyond max_view_distance, " << reason(Unseen::kHidden) << " hidden, " << reason(Unseen::kMasked)
-       << " masked";
+       << " beyond max_view_distance, " << reason(Unseen::kHidden) << " hidden, " << reason(Unseen::kAbsent)
+       << " gone when images were taken, " << reason(Unseen::kMasked) << " masked";
   return text.str();
 }
 

@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "cloud_colorizer/check.hpp"
+#include "kept_memory.hpp"
 #include "stages.hpp"
 
 namespace cloud_colorizer {
@@ -25,6 +26,7 @@ ColorizeSummary colorize(const Recording& recording, const Params& params, const
   requireColorable(recording);
 
   const FolderLock lock(recording.directory(), true);
+  const KeptMemory kept_memory;
   Workspace work(recording, params);
   work.prepareAlignment();
   makeSurfels(work, callbacks);  // per tile: what closes the surface between the points

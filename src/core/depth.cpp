@@ -157,11 +157,13 @@ Visibility DepthImage::test(const Eigen::Vector2f& pixel, const Eigen::Vector3f&
     const float own = kCellSlack * cell * std::sqrt(1 - cosine * cosine) / cosine + thickness / cosine;
     if (!(behind <= share + std::min(own, seen))) return Visibility::kHidden;
   }
+  if (empty_space && empty_space->contains(point)) return Visibility::kAbsent;
   return edge(row, col) != 0 ? Visibility::kEdge : Visibility::kVisible;
 }
 
-DepthSplatter::DepthSplatter(const Camera& camera, const Eigen::Isometry3f& camera_from_map, const DepthParams& params)
-    : camera_(&camera), camera_from_map_(camera_from_map), params_(params) {
+DepthSplatter::DepthSplatter(const Camera& camera, const Eigen::Isometry3f& camera_from_map, const DepthParams& params,
+                             std::shared_ptr<const EmptySpace> empty_space)
+    : camera_(&camera), camera_from_map_(camera_from_map), params_(params), empty_space_(std::move(empty_space)) {
   params.check();
   const auto cells = [&](int pixels) { return static_cast<int>(std::ceil(pixels / params.depth_cell_size)); };
   inverse_ = cv::Mat1f(cells(camera.intrinsics().height), cells(camera.intrinsics().width), 0.0F);
@@ -217,6 +219,7 @@ void DepthSplatter::add(PointsRef points, const Surfels& surfels) {
     const float radius = surfels.radii[i];
     if (radius < 0) continue;
     if (!camera_->mayShow(point, radius) || !(point.squaredNorm() < reach2)) continue;
+    if (empty_space_ && empty_space_->contains(point)) continue;
     splat(point, rotation * surfels.normals.col(i), radius);
   }
 }
@@ -224,6 +227,7 @@ void DepthSplatter::add(PointsRef points, const Surfels& surfels) {
 DepthImage DepthSplatter::finish() const {
   const cv::Mat1f closed = closeHoles(inverse_);
   DepthImage image;
+  image.empty_space = empty_space_;
   image.cell_size = static_cast<float>(params_.depth_cell_size);
   image.pixel_angle = static_cast<float>(1 / std::sqrt(camera_->intrinsics().fx * camera_->intrinsics().fy));
   image.edge = findEdges(closed, static_cast<int>(std::ceil(params_.depth_edge_guard / params_.depth_cell_size)));

@@ -62,16 +62,21 @@ Eigen::MatrixXd copyDense(const cholmod_dense& dense) {
                                            static_cast<Eigen::Index>(dense.ncol));
 }
 
-/// L L' of P A P'. Simplicial: the graph is nearly one-dimensional, so there are no dense blocks for a BLAS.
+/// L L' of P A P'. A Z-order graph, which comes with its order, is nearly one-dimensional: simplicial, for it has no
+/// dense blocks for a BLAS. For any other graph CHOLMOD chooses the ordering and the kind of factor.
 class CholmodImpl : public Factorization::Impl {
  public:
   CholmodImpl(const Lower& lower, const std::vector<int>& order) : Impl(lower.cols()) {
     cholmod_start(&common_);
     common_.print = 0;
-    common_.supernodal = CHOLMOD_SIMPLICIAL;
     common_.final_ll = 1;  // L D L' would accept an indefinite matrix
-    common_.nmethods = 1;
-    common_.method[0].ordering = order.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
+    if (order.empty()) {
+      common_.supernodal = CHOLMOD_AUTO;
+    } else {
+      common_.supernodal = CHOLMOD_SIMPLICIAL;
+      common_.nmethods = 1;
+      common_.method[0].ordering = CHOLMOD_GIVEN;
+    }
     try {
       factor(lower, order);
     } catch (...) {

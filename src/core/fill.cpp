@@ -55,12 +55,12 @@ void fillUncolored(const Workspace& work, std::size_t tile, TileColors& colors) 
   if (around.points.cols() == 0) return;
   const KdTree tree(around.points);
   const auto limit = static_cast<float>(std::pow(work.params().colorize.fill_distance, 2));
-  std::vector<std::uint32_t> nearest(1);
-  std::vector<float> squared_distance(1);
+  std::uint32_t nearest = 0;
+  float squared_distance = 0;
   for (Index i = 0; i < points.cols(); ++i) {
     if (colors.count[static_cast<std::size_t>(i)] > 0) continue;
-    tree.nearest(points.col(i), nearest, squared_distance);
-    if (squared_distance[0] <= limit) colors.values.col(i) = around.values.col(nearest[0]);
+    tree.nearest(points.col(i), 1, &nearest, &squared_distance);
+    if (squared_distance <= limit) colors.values.col(i) = around.values.col(nearest);
   }
 }
 

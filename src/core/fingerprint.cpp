@@ -11,7 +11,7 @@ namespace cloud_colorizer {
 namespace {
 
 /// To be raised when a stage gives other results than before, so that files of an older program are not used.
-constexpr std::uint64_t kStagesVersion = 1;
+constexpr std::uint64_t kStagesVersion = 2;
 
 /// FNV-1a, 64 bit.
 class Hash {
@@ -69,7 +69,7 @@ std::string surfelsKey(const Recording& recording, const Params& params) {
 
 std::string alignmentKey(const Recording& recording, const Params& params) {
   const AlignmentParams defaults;
-  std::set<std::string> names = {"method"};
+  std::set<std::string> names;
   visitAlignmentParams(defaults, [&](const char* name, const auto&, const char*) { names.insert(name); });
   return surfelsKey(recording, params) + depthKey(recording, params) + imagesKey(recording) +
          paramsText(params, names, false);
@@ -79,18 +79,22 @@ std::string depthKey(const Recording& recording, const Params& params) {
   Hash hash;
   hash.addValue(recording.tileSize());
   for (const Tile& tile : recording.tiles()) hash.add(tile.index.data(), 3).addValue(tile.num_points);
+  for (const Scan& scan : recording.scans()) hash.addValue(scan.stamp).add(scan.map_from_sensor.matrix().data(), 16);
   for (const auto& camera : recording.cameras()) {
     const Intrinsics& k = camera.intrinsics;
     hash.addValue(k.width).addValue(k.height).addValue(k.fx).addValue(k.fy).addValue(k.cx).addValue(k.cy);
     hash.addValue(k.model).add(k.distortion.data(), k.distortion.size());
   }
   return line("points and cameras", hash.value()) +
-         paramsText(params, {"depth_cell_size", "depth_tolerance", "depth_edge_guard", "max_view_distance"}, false);
+         paramsText(params,
+                    {"depth_cell_size", "depth_tolerance", "depth_edge_guard", "max_view_distance", "use_scans"},
+                    false);
 }
 
 std::string colorsKey(const Recording& recording, const Params& params) {
   // These do not change the colour of a tile.
-  const std::set<std::string> without = {"num_threads", "memory_limit", "uncolored", "fill_distance", "max_open_tiles"};
+  const std::set<std::string> without = {"num_threads",   "memory_limit",   "uncolored",
+                                         "fill_distance", "max_open_tiles", "scan_resolution"};
   return imagesKey(recording) + paramsText(params, without, true);
 }
 

@@ -6,7 +6,6 @@
 
 #include <cstdint>
 #include <nanoflann.hpp>
-#include <vector>
 
 #include "cloud_colorizer/types.hpp"
 
@@ -14,19 +13,22 @@ namespace cloud_colorizer {
 
 class KdTree {
  public:
-  explicit KdTree(const Points& points) : columns_{points}, tree_(3, columns_, {kLeafSize}) { tree_.buildIndex(); }
+  explicit KdTree(const Points& points)
+      : columns_{points}, tree_(3, columns_, nanoflann::KDTreeSingleIndexAdaptorParams(kLeafSize)) {
+#if NANOFLANN_VERSION < 0x143  // later ones build in their constructor
+    tree_.buildIndex();
+#endif
+  }
   KdTree(const KdTree&) = delete;
   KdTree& operator=(const KdTree&) = delete;
 
-  /// The nearest indices.size() points, nearest first, and their squared distances [m^2]. There must be as many.
-  void nearest(const Eigen::Vector3f& point, std::vector<std::uint32_t>& indices,
-               std::vector<float>& squared_distances) const {
-    squared_distances.resize(indices.size());
-    tree_.knnSearch(point.data(), indices.size(), indices.data(), squared_distances.data());
+  /// The nearest `count` points, nearest first, and their squared distances [m^2]. There must be as many.
+  void nearest(const Eigen::Vector3f& point, std::size_t count, std::uint32_t* indices, float* squared) const {
+    tree_.knnSearch(point.data(), count, indices, squared);
   }
 
  private:
-  static constexpr std::size_t kLeafSize = 16;
+  static constexpr std::size_t kLeafSize = 12;
 
   struct Columns {
     const Points& points;

@@ -43,7 +43,8 @@ void makeSurfels(Workspace& work, const Callbacks& callbacks) {
 
 DepthImage renderDepth(Workspace& work, std::size_t view, const Eigen::Isometry3d& map_from_camera) {
   const Recording& recording = work.recording();
-  DepthSplatter splatter(work.cameraOf(view), map_from_camera.inverse().cast<float>(), work.params().depth);
+  DepthSplatter splatter(work.cameraOf(view), map_from_camera.inverse().cast<float>(), work.params().depth,
+                         work.emptySpace(view, map_from_camera));
   for (std::size_t tile = 0; tile < recording.tiles().size(); ++tile) {
     if (!work.mayObserve(view, tileBox(recording, tile))) continue;
     const auto surface = work.surface(tile);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "cloud_colorizer/check.hpp"
 
@@ -11,8 +12,9 @@ namespace cloud_colorizer {
 namespace {
 
 constexpr float kEdgeWeight = 0.05F;
-constexpr float kFullWeightBorder = 20;  // px from the usable border to where an observation counts fully
-constexpr std::uint32_t kBlock = 4;      // slots that a point's list grows by
+constexpr float kSaturatedWeight = 0.05F;  // the true value is unknown, only that it is brighter
+constexpr float kFullWeightBorder = 20;    // px from the usable border to where an observation counts fully
+constexpr std::uint32_t kBlock = 4;        // slots that a point's list grows by
 constexpr std::uint32_t kNone = 0xFFFFFFFFU;
 
 struct Sighting {
@@ -149,6 +151,13 @@ Sampler samplerOf(const cv::Mat& image, std::uint32_t view) {
   return sample<float>;
 }
 
+/// Nearly the largest value of the type: demosaicing and JPEG blur the limit. Floats have none.
+float saturationOf(const cv::Mat& image) {
+  constexpr float kShare = 0.98F;
+  if (image.depth() == CV_32F) return std::numeric_limits<float>::infinity();
+  return kShare * (image.depth() == CV_8U ? 255.0F : 65535.0F);
+}
+
 void checkView(const ObservedView& view, int channels) {
   using Invalid = std::invalid_argument;
   require<Invalid>(view.camera && view.image && view.depth, "view ", view.id,
@@ -200,6 +209,7 @@ class Looker {
         depth_params_(depth_params),
         camera_(*view.camera),
         sampler_(samplerOf(*view.image, view.id)),
+        saturation_(saturationOf(*view.image)),
         border_(static_cast<float>(params.image_border)),
         max_distance_(static_cast<float>(depth_params.max_view_distance)),
         right_(static_cast<float>(camera_.intrinsics().width - 1)),
@@ -258,6 +268,10 @@ class Looker {
       best.markHidden(i);
       return Unseen::kHidden;
     }
+    if (visibility == Visibility::kAbsent) {
+      ++stats.absent;
+      return Unseen::kAbsent;
+    }
     if (!take(*pixel)) {
       ++stats.masked;
       return Unseen::kMasked;
@@ -265,8 +279,10 @@ class Looker {
     const bool edge = visibility == Visibility::kEdge;
     ++(edge ? stats.edge : stats.seen);
     const float distance = point.norm();
-    const float quality = view_.weight * weight(point, normal, radius, distance, margin);
-    best.add(i, {view_.id, distance, edge ? kEdgeWeight * quality : quality}, values_.data(), edge);
+    float quality = view_.weight * weight(point, normal, radius, distance, margin);
+    if (edge) quality *= kEdgeWeight;
+    if (saturated_) quality *= kSaturatedWeight;
+    best.add(i, {view_.id, distance, quality}, values_.data(), edge);
     return Unseen::kSeen;
   }
 
@@ -279,7 +295,9 @@ class Looker {
     }
     sampler_(*view_.image, pixel.x(), pixel.y(), values_.data());
     bool finite = true;
+    saturated_ = false;
     for (std::size_t c = 0; c < values_.size(); ++c) {
+      saturated_ = saturated_ || values_[c] >= saturation_;
       const auto channel = static_cast<Eigen::Index>(c);
       if (view_.exposure.gain.size() > 0) values_[c] *= view_.exposure.gain[channel];
       if (view_.exposure.offset.size() > 0) values_[c] += view_.exposure.offset[channel];
@@ -302,7 +320,9 @@ class Looker {
   const DepthParams& depth_params_;
   const Camera& camera_;
   Sampler sampler_;
+  float saturation_;  ///< a value from which on it is saturated
   float border_, max_distance_, right_, bottom_;
+  bool saturated_ = false;  ///< the values taken last
   Eigen::Matrix3f rotation_;
   Eigen::Vector3f translation_;
   std::vector<float> values_;

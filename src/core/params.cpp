@@ -108,6 +108,7 @@ void Params::check() const {
   observe.check();
   graph.check();
   system.check();
+  tone.check();
   chunks.check();
   colorize.check();
 }

@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <set>
@@ -31,6 +32,7 @@ using Clock = std::chrono::steady_clock;
 constexpr double kFlushPeriod = 0.5;                  ///< s
 constexpr std::size_t kMaxPendingBytes = 64'000'000;  ///< of points that are not yet in a file
 constexpr double kMaxOriginDistance = 5000;           ///< m; positions nearer to the map's origin keep it
+constexpr double kScanShare = 0.25;                   ///< of the motion between keyframes: between scans
 
 double defaultTileSize(const RecordParams& params) {
   if (params.tile_size > 0) return params.tile_size;
@@ -52,6 +54,12 @@ Intrinsics withoutTrailingZeros(Intrinsics intrinsics) {
 bool sameIntrinsics(const Intrinsics& a, const Intrinsics& b) {
   return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy &&
          a.model == b.model && withoutTrailingZeros(a).distortion == withoutTrailingZeros(b).distortion;
+}
+
+std::string sixDigits(std::size_t number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%06zu", number);
+  return text;
 }
 
 bool isFileName(const std::string& name) {
@@ -91,6 +99,8 @@ void RecordParams::check() const {
   requireInRange("tile_size", tile_size, 0.0, 1e6);
   requireInRange("keyframe_distance", keyframe_distance, 0.0, kInfinity);
   requireInRange("keyframe_angle", keyframe_angle, 0.0, 360.0);
+  require<std::invalid_argument>(scan_resolution == 0 || (scan_resolution >= 0.05 && scan_resolution <= 30),
+                                 "parameter scan_resolution = ", scan_resolution, " must be 0 or 0.05 to 30 deg");
   requireInRange("max_open_tiles", max_open_tiles, 1, 1'000'000);
   if (voxel_size == 0 || tile_size == 0) return;
   const double side = tile_size / voxel_size;
@@ -109,16 +119,16 @@ struct Recorder::Impl {
   File lock;
   std::vector<RecordedCamera> cameras;
   std::vector<View> views;
-  File views_file;
-  std::uint64_t views_size = 0;
-  std::optional<TileWriter> tiles;  ///< from the moment the fields are known
-  std::vector<PlacedPoint> placed;  ///< kept between clouds, as fresh memory of this size is slow
+  std::vector<Scan> scans;
+  TableWriter views_table, scans_table;
+  std::map<std::string, Eigen::Isometry3d> last_scans;  ///< pose of every sensor's last one
+  std::optional<TileWriter> tiles;                      ///< from the moment the fields are known
+  std::vector<PlacedPoint> placed;                      ///< kept between clouds, as fresh memory of this size is slow
   Clock::time_point last_flush = Clock::now();
 
   Impl(const std::string& dir, const std::string& map_frame, const RecordParams& record_params);
   void create(const std::string& map_frame);
   void resume(const std::string& map_frame);
-  void openViews();
   void fixOrigin(const Eigen::Vector3d& position);
   void fixFields(const std::vector<Field>& fields);
   const std::vector<PlacedPoint>& place(const Cloud& cloud, const Eigen::Isometry3d& map_from_sensor,
@@ -131,13 +141,13 @@ Recorder::Impl::Impl(const std::string& dir, const std::string& map_frame, const
     : directory(dir),
       params(record_params),
       lock((params.check(), prepareDirectory(dir), lockRecording(dir))),
-      views_file("/dev/null", O_WRONLY) {
+      views_table(TableWriter::ofViews(dir)),
+      scans_table(TableWriter::ofScans(dir)) {
   if (hasRecording(directory)) {
     resume(map_frame);
   } else {
     create(map_frame);
   }
-  openViews();
 }
 
 void Recorder::Impl::create(const std::string& map_frame) {
@@ -160,19 +170,9 @@ void Recorder::Impl::resume(const std::string& map_frame) {
           "; set these, or record into another directory");
   cameras = state.cameras;
   views = state.views;
+  scans = state.scans;
   std::filesystem::create_directories(directory + "/tiles");
   if (info.fields) tiles.emplace(directory, info, static_cast<std::size_t>(params.max_open_tiles), state.tiles);
-}
-
-/// Cuts off a line that a crash left torn.
-void Recorder::Impl::openViews() {
-  views_size = readViews(directory).num_bytes;
-  views_file = File(viewsPath(directory), O_WRONLY | O_CREAT);
-  views_file.truncate(views_size);
-  if (views_size > 0) return;
-  const auto header = viewsHeader();
-  views_file.writeAt(0, header.data(), header.size());
-  views_size = header.size();
 }
 
 /// Floats are exact to half a millimetre within 5 km; farther from the map's origin the recording gets its own.
@@ -321,16 +321,40 @@ std::size_t Recorder::addView(std::uint32_t camera, double stamp, const Eigen::I
   view.stamp = stamp;
   view.map_from_camera = map_from_camera;
   view.map_from_camera.translation() -= *impl.info.origin;
-  char number[32];
-  std::snprintf(number, sizeof number, "%06zu", impl.views.size());
-  view.image = "images/" + impl.cameras[camera].name + '/' + number + '.' + extension;
+  view.image = "images/" + impl.cameras[camera].name + '/' + sixDigits(impl.views.size()) + '.' + extension;
   writeFileAtomically(impl.directory + '/' + view.image, encoded_image.data(), encoded_image.size());
-  const auto line = viewLine(view);
-  impl.views_file.writeAt(impl.views_size, line.data(), line.size());
-  impl.views_size += line.size();
+  impl.views_table.append(viewLine(view));
   impl.views.push_back(std::move(view));
   impl.flushWhenDue();
   return impl.views.size() - 1;
+}
+
+void Recorder::addScan(const std::string& sensor, double stamp, const Eigen::Matrix3Xd& positions,
+                       const Eigen::Isometry3d& map_from_sensor) {
+  auto& impl = *impl_;
+  require<std::invalid_argument>(std::isfinite(stamp), "the stamp of a scan must be finite, not ", stamp);
+  requirePose(map_from_sensor, "the pose of a scan");
+  if (impl.params.scan_resolution == 0) return;
+  const auto last = impl.last_scans.find(sensor);
+  if (last != impl.last_scans.end()) {
+    const Eigen::Isometry3d moved = last->second.inverse() * map_from_sensor;
+    const double degrees = Eigen::AngleAxisd(moved.linear()).angle() * 180 / M_PI;
+    if (moved.translation().norm() < kScanShare * impl.params.keyframe_distance &&
+        degrees < kScanShare * impl.params.keyframe_angle) {
+      return;
+    }
+  }
+  impl.fixOrigin(map_from_sensor.translation());
+  Scan scan{stamp, map_from_sensor, "scans/" + sixDigits(impl.scans.size()) + ".png"};
+  scan.map_from_sensor.translation() -= *impl.info.origin;
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", makeRangePanorama(positions, impl.params.scan_resolution, impl.params.min_range), png,
+               {cv::IMWRITE_PNG_COMPRESSION, 1});
+  std::filesystem::create_directories(impl.directory + "/scans");
+  writeFileAtomically(impl.directory + '/' + scan.image, png.data(), png.size());
+  impl.scans_table.append(scanLine(scan));
+  impl.scans.push_back(std::move(scan));
+  impl.last_scans[sensor] = map_from_sensor;
 }
 
 void Recorder::flush() {
@@ -346,6 +370,7 @@ Recording Recorder::snapshot() {
   state->fields = impl_->info.fields.value_or(std::vector<Field>{});
   state->cameras = impl_->cameras;
   state->views = impl_->views;
+  state->scans = impl_->scans;
   if (impl_->tiles) state->tiles = impl_->tiles->savedTiles();
   for (const auto& tile : state->tiles) state->num_points += tile.num_points;
   Recording recording;

@@ -50,11 +50,12 @@ Recording Recording::open(const std::string& directory) {
   auto state = std::make_shared<State>();
   state->directory = directory;
   // Another process may be recording: it writes a camera before its views, so the views are read first.
-  state->views = readViews(directory).views;
+  state->views = readViews(directory).rows;
+  state->scans = readScans(directory).rows;
   state->cameras = readCameras(directory);
   for (const auto& view : state->views) {
-    require(view.camera < state->cameras.size(), viewsPath(directory), " is damaged: camera ", view.camera,
-            " of image ", view.image, " is not in cameras.yaml");
+    require(view.camera < state->cameras.size(), directory, "/views.csv is damaged: camera ", view.camera, " of image ",
+            view.image, " is not in cameras.yaml");
   }
   state->info = readInfo(directory);
   state->origin = state->info.origin.value_or(Eigen::Vector3d::Zero());
@@ -90,6 +91,9 @@ const std::vector<RecordedCamera>& Recording::cameras() const {
 const std::vector<View>& Recording::views() const {
   return state_->views;
 }
+const std::vector<Scan>& Recording::scans() const {
+  return state_->scans;
+}
 const std::vector<Tile>& Recording::tiles() const {
   return state_->tiles;
 }
@@ -123,6 +127,26 @@ cv::Mat Recording::readMask(std::size_t camera) const {
   if (entry.mask.empty()) return {};
   return decodeImage(state_->directory + '/' + entry.mask, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION,
                      entry.intrinsics);
+}
+
+cv::Mat1w Recording::readScan(std::size_t scan) const {
+  const std::string path = state_->directory + '/' + state_->scans.at(scan).image;
+  const auto bytes = readFile(path);
+  const cv::Mat panorama = bytes.empty() ? cv::Mat() : cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+  require(panorama.type() == CV_16UC1 && !panorama.empty(), "scan ", path,
+          " is damaged: it is no image of 16 bit ranges; delete scans.csv to colour without scans");
+  return panorama;
+}
+
+std::shared_ptr<const EmptySpace> emptySpaceAt(
+    const Recording& recording, const ScanTimes& times, double stamp, const Eigen::Isometry3d& map_from_camera,
+    const std::function<std::shared_ptr<const cv::Mat1w>(std::size_t)>& ranges) {
+  EmptySpace space;
+  for (const std::size_t scan : times.around(stamp)) {
+    const Eigen::Isometry3d sensor_from_camera = recording.scans()[scan].map_from_sensor.inverse() * map_from_camera;
+    space.add(ranges(scan), sensor_from_camera.cast<float>());
+  }
+  return space.knowsNothing() ? nullptr : std::make_shared<const EmptySpace>(std::move(space));
 }
 
 }  // namespace cloud_colorizer

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The small files of a recording: recording.yaml, cameras.yaml and views.csv.
+/// The small files of a recording: recording.yaml, cameras.yaml, views.csv and scans.csv.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "cloud_colorizer/file_io.hpp"
 #include "cloud_colorizer/recording.hpp"
 
 namespace cloud_colorizer {
@@ -30,6 +31,7 @@ struct Recording::State {
   std::vector<Field> fields;
   std::vector<RecordedCamera> cameras;
   std::vector<View> views;
+  std::vector<Scan> scans;
   std::vector<Tile> tiles;
   std::size_t num_points = 0;
 };
@@ -41,14 +43,30 @@ void writeInfo(const std::string& directory, const RecordingInfo& info);
 std::vector<RecordedCamera> readCameras(const std::string& directory);
 void writeCameras(const std::string& directory, const std::vector<RecordedCamera>& cameras);
 
-/// The lines of views.csv. A last line without its end is what a crash left and is not counted.
-struct ViewLines {
-  std::vector<View> views;
+/// A table that grows by lines. A last line without its end is what a crash left and is not counted.
+template <class Row>
+struct Table {
+  std::vector<Row> rows;
   std::uint64_t num_bytes = 0;  ///< of whole lines
 };
-std::string viewsPath(const std::string& directory);
-std::string viewsHeader();
+Table<View> readViews(const std::string& directory);
+Table<Scan> readScans(const std::string& directory);
+
 std::string viewLine(const View& view);
-ViewLines readViews(const std::string& directory);
+std::string scanLine(const Scan& scan);
+
+/// Appends lines to a table; starts it with its header, or cuts off a line that a crash left torn.
+class TableWriter {
+ public:
+  static TableWriter ofViews(const std::string& directory);
+  static TableWriter ofScans(const std::string& directory);
+  void append(const std::string& line);
+
+ private:
+  TableWriter(const std::string& path, const char* header, std::uint64_t num_bytes);
+
+  File file_;
+  std::uint64_t size_;
+};
 
 }  // namespace cloud_colorizer

@@ -2,25 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_colorizer/solve.hpp"
 
-#include <chrono>
 #include <utility>
 
 #include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/stop_watch.hpp"
 
 namespace cloud_colorizer {
 namespace {
-
-/// Seconds since the last call.
-class StopWatch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double>(now - std::exchange(start_, now)).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 void checkSeen(PointsRef points, const Observations& observations, const Fused& data) {
   checkObservations(observations);

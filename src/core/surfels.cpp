@@ -5,10 +5,11 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <nanoflann.hpp>
 #include <vector>
 
 #include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/zorder.hpp"
+#include "kdtree.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -22,43 +23,13 @@ constexpr float kLine = 0.04F;
 /// irregularity.
 constexpr float kClosing = 1.05F * 1.7724539F;
 
-/// Near points in a row keep the search in the caches: the order of a Z-curve of 1024 cells an axis.
+/// Near points in a row keep the search in the caches.
 std::vector<std::uint32_t> coarseOrder(PointsRef points) {
-  const Eigen::Vector3f low = points.rowwise().minCoeff();
-  const float side = std::max(1e-30F, (points.rowwise().maxCoeff() - low).maxCoeff());
-  const auto spread = [](std::uint64_t bits) {  // 10 bits, two zeros between each
-    bits = (bits | bits << 16) & 0x030000FF;
-    bits = (bits | bits << 8) & 0x0300F00F;
-    bits = (bits | bits << 4) & 0x030C30C3;
-    return (bits | bits << 2) & 0x09249249;
-  };
-  std::vector<std::uint64_t> keys(static_cast<std::size_t>(points.cols()));
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    const Eigen::Array3f cell = (points.col(static_cast<Eigen::Index>(i)) - low) / side * 1023.0F;
-    std::uint64_t code = 0;
-    for (int axis = 0; axis < 3; ++axis) code |= spread(static_cast<std::uint64_t>(cell[axis])) << axis;
-    keys[i] = code << 32 | i;
-  }
-  std::sort(keys.begin(), keys.end());
-  std::vector<std::uint32_t> order;
-  order.reserve(keys.size());
-  for (const std::uint64_t key : keys) order.push_back(static_cast<std::uint32_t>(key & 0xFFFFFFFFU));
-  return order;
+  ZOrderGrid grid;
+  grid.origin = points.rowwise().minCoeff();
+  grid.cell = std::max(1e-30F, (points.rowwise().maxCoeff() - grid.origin).maxCoeff()) / 1023;
+  return zorderSort(zorderKeys(points, grid), 0);
 }
-
-struct Columns {
-  const PointsRef& points;
-  std::size_t kdtree_get_point_count() const { return static_cast<std::size_t>(points.cols()); }
-  float kdtree_get_pt(std::size_t i, std::size_t axis) const {
-    return points(static_cast<Eigen::Index>(axis), static_cast<Eigen::Index>(i));
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-using Tree =
-    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Columns>, Columns, 3, std::uint32_t>;
 
 /// Count, sum and sum of squares of points about a centre.
 struct Moments {
@@ -106,14 +77,8 @@ Plane planeOf(const Moments& moments) {
 /// The neighbourhoods of all points: k columns of indices, and the distances that radii are made of.
 class Estimator {
  public:
-  Estimator(PointsRef points, std::size_t k)
-      : points_(points),
-        columns_{points_},
-        tree_(3, columns_, nanoflann::KDTreeSingleIndexAdaptorParams(12)),
-        k_(std::min(k, static_cast<std::size_t>(points.cols()))) {
-#if NANOFLANN_VERSION < 0x143  // later ones build in their constructor
-    tree_.buildIndex();
-#endif
+  Estimator(const Points& points, std::size_t k)
+      : points_(points), tree_(points_), k_(std::min(k, static_cast<std::size_t>(points.cols()))) {
     const auto n = static_cast<std::size_t>(points.cols());
     moments_.resize(n);
     neighbors_.resize(n * k_);
@@ -121,7 +86,7 @@ class Estimator {
     spans_.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
       std::uint32_t* const near = neighbors_.data() + i * k_;
-      tree_.knnSearch(at(i).data(), k_, near, squared_.data());
+      tree_.nearest(at(i), k_, near, squared_.data());
       for (std::size_t j = 0; j < k_; ++j) moments_[i].add(at(near[j]) - at(i));
       spans_[i] = {std::sqrt(squared_[k_ / 3]), std::sqrt(squared_[k_ / 2]), std::sqrt(squared_[k_ - 1])};
     }
@@ -164,9 +129,7 @@ class Estimator {
   }
 
  private:
-  Eigen::Vector3f at(std::size_t i) const {
-    return points_.col(static_cast<Eigen::Index>(i));
-  }
+  Eigen::Vector3f at(std::size_t i) const { return points_.col(static_cast<Eigen::Index>(i)); }
 
   /// Perhaps one scan line of a surface: with more neighbours the next line takes part. Lines are dense along and
   /// sparse across, so the radius has to reach to the next line.
@@ -174,7 +137,7 @@ class Estimator {
     const std::size_t many = std::min(4 * k_, static_cast<std::size_t>(points_.cols()));
     wide_.resize(many);
     squared_.resize(many);
-    tree_.knnSearch(at(i).data(), many, wide_.data(), squared_.data());
+    tree_.nearest(at(i), many, wide_.data(), squared_.data());
     Moments moments;
     for (const std::uint32_t j : wide_) moments.add(at(j) - at(i));
     const Plane plane = planeOf(moments);
@@ -185,9 +148,8 @@ class Estimator {
   struct Spans {
     float third, half, whole;  // m to the neighbours of these ranks
   };
-  PointsRef points_;
-  Columns columns_;
-  Tree tree_;
+  const Points& points_;
+  KdTree tree_;
   std::size_t k_;
   std::vector<std::uint32_t> neighbors_, wide_;
   std::vector<float> squared_;

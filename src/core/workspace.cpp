@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr double kMegabyte = 1e6;
 /// Shares of memory_limit; the rest is for the chunks in work.
-constexpr double kSurfaceShare = 0.08, kImageShare = 0.25, kDepthShare = 0.12;
+constexpr double kSurfaceShare = 0.08, kImageShare = 0.25, kDepthShare = 0.12, kScanShare = 0.02;
 
 std::size_t bytesOf(const Surface& s) {
   return sizeof(float) *
@@ -33,7 +33,7 @@ std::size_t bytesOf(const cv::Mat& image) {
   return image.total() * image.elemSize();
 }
 std::size_t bytesOf(const DepthImage& image) {
-  return bytesOf(image.depth) + bytesOf(image.edge);
+  return bytesOf(image.depth) + bytesOf(image.edge) + (image.empty_space ? image.empty_space->numBytes() : 0);
 }
 
 std::size_t share(const Params& params, double fraction) {
@@ -109,6 +109,10 @@ Eigen::AlignedBox3f tileBox(const Recording& recording, std::size_t tile) {
 Workspace::Workspace(const Recording& recording, const Params& params)
     : recording_(recording),
       params_(params),
+      scan_times_(recording.scans()),
+      scans_(
+          share(params, kScanShare), [this](std::size_t scan) { return emptyRanges(recording_.readScan(scan)); },
+          [](const cv::Mat1w& ranges) { return bytesOf(ranges); }),
       surfaces_(
           share(params, kSurfaceShare), [this](std::size_t tile) { return readSurface(tile); },
           [](const Surface& surface) { return bytesOf(surface); }),
@@ -151,7 +155,8 @@ std::string Workspace::colorsKeyOfAll() const {
 void Workspace::prepareAlignment() const {
   const fs::path base = recording_.directory();
   claimFolder(base / "surfels", surfelsKey(recording_, params_));
-  claimFolder(base / "alignment", alignmentKey(recording_, params_));
+  // The other methods leave it for the next time.
+  if (params_.colorize.method == Method::kDefault) claimFolder(base / "alignment", alignmentKey(recording_, params_));
 }
 
 void Workspace::prepareColors() const {
@@ -218,7 +223,7 @@ void Workspace::writeDepth(std::size_t view, const DepthImage& image) const {
   blob.save(depthPath(view));
 }
 
-DepthImage Workspace::readDepth(std::size_t view) const {
+DepthImage Workspace::readDepth(std::size_t view) {
   BlobReader blob(depthPath(view));
   std::int32_t size[2] = {0, 0};
   blob.read(size, 2);
@@ -229,7 +234,15 @@ DepthImage Workspace::readDepth(std::size_t view) const {
   image.edge.create(size[0], size[1]);
   blob.read(image.depth.ptr<float>(), image.depth.total());
   blob.read(image.edge.ptr<std::uint8_t>(), image.edge.total());
+  image.empty_space = emptySpace(view, corrections_[view].map_from_camera);
   return image;
+}
+
+std::shared_ptr<const EmptySpace> Workspace::emptySpace(std::size_t view, const Eigen::Isometry3d& map_from_camera) {
+  if (!params_.depth.use_scans) return nullptr;
+  const double stamp = recording_.views()[view].stamp;
+  return emptySpaceAt(recording_, scan_times_, stamp, map_from_camera,
+                      [this](std::size_t scan) { return scans_.get(scan); });
 }
 
 bool Workspace::hasColors(std::size_t tile) const {

@@ -67,6 +67,9 @@ class Workspace {
   /// Whether any point of a box can lie in the view: nearer than max_view_distance and inside a cone around its image.
   bool mayObserve(std::size_t view, const Eigen::AlignedBox3f& box) const;
 
+  /// What the scans of a view's moment tell; null where there are none. The view may be at another pose than its own.
+  std::shared_ptr<const EmptySpace> emptySpace(std::size_t view, const Eigen::Isometry3d& map_from_camera);
+
   std::shared_ptr<const cv::Mat> image(std::size_t view) { return images_.get(view); }
   std::shared_ptr<const cv::Mat> mask(std::size_t camera) const { return masks_[camera]; }
 
@@ -89,7 +92,7 @@ class Workspace {
   std::string tilePath(const char* folder, std::size_t tile) const;
   std::string depthPath(std::size_t view) const;
   Surface readSurface(std::size_t tile) const;
-  DepthImage readDepth(std::size_t view) const;
+  DepthImage readDepth(std::size_t view);
 
   Recording recording_;
   Params params_;
@@ -97,6 +100,8 @@ class Workspace {
   std::vector<double> cone_angles_;         ///< rad, one a camera: between its axis and the farthest image corner
   std::vector<CorrectedView> corrections_;  ///< one a view
   std::vector<std::shared_ptr<const cv::Mat>> masks_;
+  ScanTimes scan_times_;
+  LruCache<cv::Mat1w> scans_;  ///< of emptyRanges()
   LruCache<Surface> surfaces_;
   LruCache<cv::Mat> images_;
   LruCache<DepthImage> depths_;

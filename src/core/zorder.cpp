@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_colorizer/zorder.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "cloud_colorizer/check.hpp"
 
@@ -55,6 +57,12 @@ std::uint64_t zorderMask(int pass) {
 std::vector<std::uint32_t> zorderSort(const std::vector<std::uint64_t>& keys, std::uint64_t mask) {
   require<std::out_of_range>(keys.size() <= std::numeric_limits<std::uint32_t>::max(), keys.size(),
                              " points exceed the 32-bit indices; use smaller chunks");
+  const auto before = [mask](std::uint64_t a, std::uint64_t b) { return (a ^ mask) < (b ^ mask); };
+  if (std::is_sorted(keys.begin(), keys.end(), before)) {  // a chunk's points are, for the first pass
+    std::vector<std::uint32_t> order(keys.size());
+    std::iota(order.begin(), order.end(), 0U);
+    return order;
+  }
   struct Item {
     std::uint64_t key;
     std::uint32_t index;

@@ -1,29 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <utility>
 
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/evaluation/methods.hpp"
 #include "cloud_colorizer/evaluation/neighbors.hpp"
+#include "cloud_colorizer/stop_watch.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
 using Eigen::Index;
-
-class StopWatch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double>(now - std::exchange(start_, now)).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /// The random anchors without the rule that every part gets one: as if all points were one part.
 Eigen::VectorXf randomAnchors(PointsRef points, const Fused& data, const SystemParams& params) {
@@ -86,7 +75,7 @@ GraphSolution solveOnGraph(const std::string& graph, PointsRef points, const Obs
                            const Fused& data, const SystemParams& params, Unanchored unanchored) {
   params.check();
   GraphSolution solution;
-  StopWatch watch;
+  ProcessorWatch watch;
   OrderedGraph ordered = buildGraph(graph, points);
   std::vector<Edge> edges = std::move(ordered.edges);
   solution.num_edges = edges.size();

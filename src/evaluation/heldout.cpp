@@ -77,9 +77,10 @@ Eigen::Vector3f bilinear(const cv::Mat3b& image, const Eigen::Vector2f& pixel) {
 
 /// All points that the view sees clearly, whatever their colour.
 SeenImage lookAtPoints(PointsRef points, const Surfels& surfels, const Camera& camera, const View& view,
-                       const cv::Mat3b& image, const cv::Mat& mask, const Params& params) {
+                       const cv::Mat3b& image, const cv::Mat& mask,
+                       const std::shared_ptr<const EmptySpace>& empty_space, const Params& params) {
   const Eigen::Isometry3f camera_from_map = view.map_from_camera.inverse().cast<float>();
-  DepthSplatter splatter(camera, camera_from_map, params.depth);
+  DepthSplatter splatter(camera, camera_from_map, params.depth, empty_space);
   splatter.add(points, surfels);
   const DepthImage depth = splatter.finish();
   SeenImage seen;
@@ -287,6 +288,15 @@ cv::Mat3b drawSeen(const SeenImage& seen, const Values& colors, const std::vecto
   return picture;
 }
 
+/// A panel of a picture; photographs of many megapixels are shrunk.
+cv::Mat panel(const cv::Mat& picture) {
+  constexpr int kWidest = 560;
+  if (picture.cols <= kWidest) return picture;
+  cv::Mat small;
+  cv::resize(picture, small, {kWidest, picture.rows * kWidest / picture.cols}, 0, 0, cv::INTER_AREA);
+  return small;
+}
+
 void savePictures(const std::string& path, const ColoredMap& map, const SeenImage& seen, const cv::Mat3b& image) {
   constexpr float kWorstError = 60;
   const Values predicted = predict(map, seen, true);
@@ -302,10 +312,11 @@ void savePictures(const std::string& path, const ColoredMap& map, const SeenImag
   const cv::Mat3b black(bgr.size(), cv::Vec3b(0, 0, 0));
   cv::Mat3b dark;
   bgr.convertTo(dark, CV_8U, 0.35);
-  const cv::Mat left = besideEachOther({bgr, drawSeen(seen, predicted, use, black)}, {"image", map.method});
-  const cv::Mat right = besideEachOther(
-      {drawSeen(seen, predicted, use, dark), drawSeen(seen, colorScale(errors, 0, kWorstError), use, black)},
-      {"overlay", "error, 0 to 60"});
+  const cv::Mat left =
+      besideEachOther({panel(bgr), panel(drawSeen(seen, predicted, use, black))}, {"image", map.method});
+  const cv::Mat right = besideEachOther({panel(drawSeen(seen, predicted, use, dark)),
+                                         panel(drawSeen(seen, colorScale(errors, 0, kWorstError), use, black))},
+                                        {"overlay", "error, 0 to 60"});
   cv::Mat all;
   cv::vconcat(left, right, all);
   require(cv::imwrite(path, all), "cannot write ", path);
@@ -350,6 +361,14 @@ HeldoutResult scoreHeldout(const Recording& recording, const HeldoutParams& para
   const Surfels surfels = estimateSurfels(points, params.params.surfels);
   const std::vector<Edge> neighbors = shortLinks(points);
 
+  const ScanTimes scan_times(recording.scans());
+  const auto emptyAt = [&](const View& view) -> std::shared_ptr<const EmptySpace> {
+    if (!params.params.depth.use_scans) return nullptr;
+    return emptySpaceAt(recording, scan_times, view.stamp, view.map_from_camera, [&](std::size_t scan) {
+      return std::make_shared<const cv::Mat1w>(emptyRanges(recording.readScan(scan)));
+    });
+  };
+
   std::vector<std::vector<Errors>> errors(heldout.size());
   std::mutex mutex;
   std::size_t done = 0;
@@ -357,8 +376,8 @@ HeldoutResult scoreHeldout(const Recording& recording, const HeldoutParams& para
     const View& view = recording.views()[heldout[h]];
     const Camera camera(recording.cameras()[view.camera].intrinsics);
     const cv::Mat3b image = recording.readImage(heldout[h]);
-    const SeenImage seen =
-        lookAtPoints(points, surfels, camera, view, image, recording.readMask(view.camera), params.params);
+    const SeenImage seen = lookAtPoints(points, surfels, camera, view, image, recording.readMask(view.camera),
+                                        emptyAt(view), params.params);
     const std::vector<std::uint8_t> moved = movedPoints(*median_map, seen, params.moved_error);
     for (const ColoredMap& map : maps) {
       Errors found = compare(map, seen, moved, neighbors);

@@ -41,6 +41,20 @@ Mesh gridMesh(const std::string& name, int rows, int columns, bool rows_periodic
   return mesh;
 }
 
+/// Area of the faces up to and with each.
+std::vector<double> cumulativeArea(const Mesh& mesh) {
+  std::vector<double> cumulative(static_cast<std::size_t>(mesh.faces.cols()));
+  double area = 0;
+  for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
+    const Eigen::Vector3d a = mesh.vertices.col(mesh.faces(0, f)).cast<double>();
+    const Eigen::Vector3d b = mesh.vertices.col(mesh.faces(1, f)).cast<double>();
+    const Eigen::Vector3d c = mesh.vertices.col(mesh.faces(2, f)).cast<double>();
+    area += (b - a).cross(c - a).norm() / 2;
+    cumulative[static_cast<std::size_t>(f)] = area;
+  }
+  return cumulative;
+}
+
 }  // namespace
 
 Points vertexNormals(const Points& vertices, const Eigen::Matrix3Xi& faces) {
@@ -99,15 +113,8 @@ void normalizeMesh(Mesh& mesh) {
 }
 
 SurfaceSamples sampleSurface(const Mesh& mesh, std::size_t count, std::uint64_t seed) {
-  std::vector<double> cumulative(static_cast<std::size_t>(mesh.faces.cols()));
-  double area = 0;
-  for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
-    const Eigen::Vector3d a = mesh.vertices.col(mesh.faces(0, f)).cast<double>();
-    const Eigen::Vector3d b = mesh.vertices.col(mesh.faces(1, f)).cast<double>();
-    const Eigen::Vector3d c = mesh.vertices.col(mesh.faces(2, f)).cast<double>();
-    area += (b - a).cross(c - a).norm() / 2;
-    cumulative[static_cast<std::size_t>(f)] = area;
-  }
+  const std::vector<double> cumulative = cumulativeArea(mesh);
+  const double area = cumulative.empty() ? 0 : cumulative.back();
   require<std::invalid_argument>(area > 0, "mesh '", mesh.name, "' has no area (", mesh.faces.cols(), " faces)");
   SurfaceSamples samples{Points(3, count), Points(3, count)};
   for (std::size_t i = 0; i < count; ++i) {
@@ -123,6 +130,29 @@ SurfaceSamples sampleSurface(const Mesh& mesh, std::size_t count, std::uint64_t 
     }
     samples.points.col(static_cast<Eigen::Index>(i)) = point;
     samples.normals.col(static_cast<Eigen::Index>(i)) = normal.stableNormalized();
+  }
+  return samples;
+}
+
+SurfaceSamples sampleScanLines(const Mesh& mesh, std::size_t count, double ratio, std::uint64_t seed) {
+  requireInRange("ratio", ratio, 1.0, 1000.0);
+  constexpr double kThickness = 0.1;  // of a line, in spacings along it
+  // A line every `apart`, with a point every `apart / ratio`: one point on apart^2 / ratio.
+  const std::vector<double> cumulative = cumulativeArea(mesh);
+  const double area = cumulative.empty() ? 0 : cumulative.back();
+  const double apart = std::sqrt(ratio * area / static_cast<double>(std::max<std::size_t>(1, count)));
+  const auto candidates = static_cast<std::size_t>(static_cast<double>(count) * ratio / kThickness);
+  const SurfaceSamples dense = sampleSurface(mesh, candidates, seed);
+  std::vector<Eigen::Index> chosen;
+  for (Eigen::Index i = 0; i < dense.points.cols(); ++i) {
+    const double line = static_cast<double>(dense.points(2, i)) / apart;
+    if (line - std::floor(line) < kThickness / ratio) chosen.push_back(i);
+  }
+  const auto size = static_cast<Eigen::Index>(chosen.size());
+  SurfaceSamples samples{Points(3, size), Points(3, size)};
+  for (Eigen::Index k = 0; k < size; ++k) {
+    samples.points.col(k) = dense.points.col(chosen[static_cast<std::size_t>(k)]);
+    samples.normals.col(k) = dense.normals.col(chosen[static_cast<std::size_t>(k)]);
   }
   return samples;
 }

@@ -2,23 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_colorizer/evaluation/methods.hpp"
 
-#include <chrono>
 #include <cmath>
 
 #include "cloud_colorizer/alignment.hpp"
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/parallel.hpp"
 #include "cloud_colorizer/point_colors.hpp"
+#include "cloud_colorizer/stop_watch.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
 using Eigen::Index;
-using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::shared_ptr<const DepthImage> depthOf(PointsRef points, const Surfels& surfels, const Camera& camera,
                                           const Eigen::Isometry3d& pose, const DepthParams& params) {
@@ -147,7 +142,7 @@ void colorByDefault(const TestBed& bed, const Params& params, MethodResult& resu
 ObservedBed observeBed(const TestBed& bed, const std::vector<Eigen::Isometry3d>& poses,
                        const std::vector<Exposure>& exposures, const Params& params,
                        const std::vector<float>& weights) {
-  const auto start = Clock::now();
+  ProcessorWatch watch;
   const Camera camera(bed.intrinsics);
   const Surfels surfels = estimateSurfels(bed.points, params.surfels);
   std::vector<std::shared_ptr<const DepthImage>> depths(poses.size());
@@ -165,7 +160,7 @@ ObservedBed observeBed(const TestBed& bed, const std::vector<Eigen::Isometry3d>&
     return observed;
   };
   ObservedBed observed = seenOnly(bed, observe(bed.points, surfels, poses.size(), view, params.depth, params.observe));
-  observed.seconds = secondsSince(start);
+  observed.seconds = watch.lap();
   return observed;
 }
 
@@ -181,7 +176,7 @@ MethodResult colorizeArrays(const TestBed& bed, const ObservedBed& observed, con
   result.colored.assign(static_cast<std::size_t>(bed.points.cols()), 0);
   result.reprojection_error = meanReprojectionError(bed, bed.poses);
   result.gain_error = gainError(bed, std::vector<Exposure>(bed.poses.size()));
-  const auto start = Clock::now();
+  ProcessorWatch watch;
   if (method == "closest") {
     colorByPreset(observed, Method::kClosest, params, result);
   } else if (method == "mean") {
@@ -195,7 +190,7 @@ MethodResult colorizeArrays(const TestBed& bed, const ObservedBed& observed, con
   } else {
     colorByGraph(observed, method, params, result);
   }
-  result.seconds = secondsSince(start);
+  result.seconds = watch.lap();
   return result;
 }
 

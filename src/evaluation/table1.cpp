@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/evaluation/neighbors.hpp"
@@ -98,8 +99,10 @@ Row runMethod(const TestBed& bed, const ObservedBed& observed, const std::string
 /// as the anchored one and is not computed again.
 class Rows {
  public:
-  Rows(const TestBed& bed, const ObservedBed& observed, const TablesParams& params)
-      : bed_(bed), observed_(observed), params_(params) {}
+  /// `stopped`: graphs that ran into a limit on this mesh already, with the reason. They hardly depend on the noise.
+  Rows(const TestBed& bed, const ObservedBed& observed, const TablesParams& params,
+       std::map<std::string, std::string>& stopped)
+      : bed_(bed), observed_(observed), params_(params), stopped_(stopped) {}
 
   const Row& of(const std::string& method) {
     const auto known = rows_.find(method);
@@ -109,13 +112,23 @@ class Rows {
       const Row& anchored = of(method.substr(0, method.size() - kPlain.size()));
       if (anchored.status != "ok" || anchored.result.unanchored_share == 0) return anchored;
     }
-    return rows_[method] = runMethod(bed_, observed_, method, params_);
+    Row& row = rows_[method];
+    const auto stopped = stopped_.find(method);
+    if (stopped != stopped_.end()) {
+      row.status = stopped->second;
+      row.result.seconds = std::nan("");
+      return row;
+    }
+    row = runMethod(bed_, observed_, method, params_);
+    if (row.status != "ok") stopped_[method] = row.status + " already";
+    return row;
   }
 
  private:
   const TestBed& bed_;
   const ObservedBed& observed_;
   const TablesParams& params_;
+  std::map<std::string, std::string>& stopped_;
   std::map<std::string, Row> rows_;
 };
 
@@ -183,6 +196,7 @@ TablesParams TablesParams::quick() {
   TablesParams params;
   params.bed.num_points = 65000;
   params.limits.seconds = 20;
+  params.density_sizes = {};
   params.table2_sizes = {65000, 200000};
   return params;
 }
@@ -225,11 +239,14 @@ Table1 makeTable1(const std::vector<Mesh>& meshes, const TablesParams& params, c
   const std::size_t total = meshes.size() * noiseKinds(params.noise).size() * methodNames().size();
   for (const Mesh& mesh : meshes) {
     const TestBed clean = renderTestBed(mesh, params.bed);
+    std::map<std::string, std::string> stopped;
     for (const NoiseKind& kind : noiseKinds(params.noise)) {
       const TestBed bed = addNoise(clean, kind.params, params.bed.seed, params.bed.num_threads);
       const ObservedBed observed = observeBed(bed, bed.poses, {}, params.method);
-      Rows rows(bed, observed, params);
+      Rows rows(bed, observed, params, stopped);
       const bool closeups = &mesh == &meshes.front() && kind.name == "both";
+      static const std::set<std::string> kShown = {"closest", "mean",   "median", "5-NN",   "20-NN",
+                                                   "DT",      "1-pass", "2-pass", "4-pass", "default"};
       if (closeups) {
         pictures.push_back(drawCloseup(bed, bed.truth));
         captions.emplace_back("truth");
@@ -238,8 +255,7 @@ Table1 makeTable1(const std::vector<Mesh>& meshes, const TablesParams& params, c
         if (callbacks.cancelled && callbacks.cancelled()) throw Cancelled();
         const Row& row = rows.of(method);
         result.table.add(cells(mesh.name, kind.name, method, row, bed));
-        const bool plain = method.find(" plain") != std::string::npos;
-        if (closeups && row.status == "ok" && !(plain && row.result.unanchored_share == 0)) {
+        if (closeups && row.status == "ok" && kShown.count(method) != 0) {
           pictures.push_back(drawCloseup(bed, row.result.values));
           captions.push_back(method);
         }

@@ -74,6 +74,7 @@ Eigen::Isometry3d noisyPose(const Eigen::Isometry3d& pose, double rotation_deg, 
 
 void TestBedParams::check() const {
   requireInRange<std::size_t>("num_points", num_points, 1, 100000000);
+  requireInRange("scan_line_ratio", scan_line_ratio, 0.0, 1000.0);
   requireInRange("num_views", num_views, 1, 10000);
   requireInRange("width", width, 8, 20000);
   requireInRange("height", height, 8, 20000);
@@ -139,7 +140,10 @@ TestBed renderTestBed(const Mesh& mesh, const TestBedParams& params) {
   const auto frequency = static_cast<float>(params.texture_frequency);
   TestBed bed;
   bed.name = mesh.name;
-  SurfaceSamples samples = sampleSurface(object, params.num_points, hash64(params.seed, kSurfaceStream));
+  const std::uint64_t seed = hash64(params.seed, kSurfaceStream);
+  SurfaceSamples samples = params.scan_line_ratio > 0
+                               ? sampleScanLines(object, params.num_points, params.scan_line_ratio, seed)
+                               : sampleSurface(object, params.num_points, seed);
   bed.truth.resize(3, samples.points.cols());
   for (Eigen::Index p = 0; p < samples.points.cols(); ++p) {
     bed.truth.block<3, 1>(0, p) = shadedColor(samples.points.col(p), samples.normals.col(p), frequency);

@@ -17,14 +17,13 @@
 
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
-#include "encoder_pool.hpp"
+#include "view_writer.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
 constexpr double kJumpBack = 1;            // s; a stream whose stamps step back by more was restarted
 constexpr std::size_t kMaxPending = 2000;  // messages of a topic; a guard for stamps that stand still
-constexpr std::size_t kMaxEncoding = 8;    // images in work; then the collector waits for the first of them
 constexpr std::chrono::seconds kWarnPeriod(10);
 
 using Invalid = std::invalid_argument;
@@ -48,18 +47,6 @@ struct ImageMessage {
   std_msgs::Header header;
   sensor_msgs::ImageConstPtr raw;
   sensor_msgs::CompressedImageConstPtr compressed;
-};
-
-/// A view whose image may still be with an encoder.
-struct PendingView {
-  std::size_t camera = 0;  ///< of the collector
-  std::uint32_t id = 0;    ///< of the recording
-  double stamp = 0;
-  Isometry map_from_camera;
-  Intrinsics intrinsics;
-  SharedBytes bytes;  ///< of a compressed image, as received
-  std::string extension;
-  std::future<EncodedImage> encoded;  ///< of a raw image
 };
 
 struct CameraState {
@@ -88,52 +75,6 @@ cv::Mat1b readMask(const std::string& file) {
 
 }  // namespace
 
-const char* toString(Outcome outcome) {
-  static const char* const kNames[] = {"kept",
-                                       "not a keyframe",
-                                       "no transform",
-                                       "no camera_info",
-                                       "bad camera_info",
-                                       "size differs from camera_info",
-                                       "undecodable",
-                                       "malformed",
-                                       "no stamp",
-                                       "dropped when time jumped back",
-                                       "dropped from a full queue"};
-  return kNames[static_cast<std::size_t>(outcome)];
-}
-
-void CollectorParams::check() const {
-  require<Invalid>(!withoutSlash(map_frame).empty(), "parameter map_frame must not be empty");
-  requireInRange("tf_wait", tf_wait, 0.0, 3600.0);
-  requireInRange("tf_cache", tf_cache, 1.0, 86400.0);
-  require<Invalid>(tf_cache > tf_wait, "parameter tf_cache = ", tf_cache, " must exceed tf_wait = ", tf_wait);
-  require<Invalid>(raw_image_format == "png" || raw_image_format == "ppm" || raw_image_format == "jpg",
-                   "parameter raw_image_format = \"", raw_image_format, "\" must be one of: ppm, png, jpg");
-  requireInRange("encode_threads", encode_threads, 1, 64);
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    const std::string name = "camera_" + std::to_string(i) + "/time_offset";
-    requireInRange(name.c_str(), cameras[i].time_offset, -60.0, 60.0);
-  }
-  record.check();
-}
-
-std::string CollectorStats::describe() const {
-  std::ostringstream out;
-  const auto line = [&out](const std::string& name, const StreamStats& stats) {
-    out << name << ": " << stats.received << " received";
-    for (std::size_t i = 0; i < stats.outcomes.size(); ++i) {
-      if (stats.outcomes[i] > 0) out << ", " << stats.outcomes[i] << ' ' << toString(static_cast<Outcome>(i));
-    }
-    out << '\n';
-  };
-  line("clouds", cloud);
-  for (std::size_t i = 0; i < cameras.size(); ++i) line("camera_" + std::to_string(i), cameras[i]);
-  out << "points: " << points.added << " recorded, " << points.voxel_taken << " in a voxel that is taken, "
-      << points.too_near << " too near, " << points.too_far << " too far, " << points.not_finite << " not finite";
-  return out.str();
-}
-
 struct Collector::Impl {
   Impl(Recorder& recorder_in, const CollectorParams& params_in, CollectorEvents events_in)
       : recorder(&recorder_in),
@@ -142,7 +83,8 @@ struct Collector::Impl {
         map_frame(withoutSlash(params_in.map_frame)),
         sensor_frame(withoutSlash(params_in.sensor_frame)),
         buffer(ros::Duration(params_in.tf_cache)),
-        pool(params_in.encode_threads) {
+        writer(params_in.encode_threads, params_in.raw_image_format,
+               [this](const PendingView& view) { viewKept(view); }) {
     params.check();
     stats.cameras.resize(params.cameras.size());
     cameras.resize(params.cameras.size());
@@ -270,6 +212,7 @@ struct Collector::Impl {
            "~sensor_frame to the scanner's frame");
     }
     const Recorder::InsertCounts counts = recorder->addCloud(cloud, map_from_sensor);
+    recorder->addScan(frame, stamp.toSec(), cloud.positions, map_from_sensor);
     stats.points.added += counts.added;
     stats.points.not_finite += counts.not_finite;
     stats.points.too_near += counts.too_near;
@@ -358,47 +301,12 @@ struct Collector::Impl {
       throw Refused{Outcome::kSizeMismatch, text.str()};
     }
     camera.last_kept = view.map_from_camera;
-    encode(image, std::move(view));
-    return Outcome::kKept;
-  }
-
-  void encode(const ImageMessage& image, PendingView view) {
-    if (image.compressed) {
-      view.bytes = SharedBytes(&image.compressed->data, [keep = image.compressed](const void*) {});
+    if (image.raw) {
+      writer.add(std::move(view), image.raw, *recorder);
     } else {
-      view.encoded = pool.run(
-          [raw = image.raw, format = params.raw_image_format] { return encodeImage(imageFromMessage(*raw), format); });
+      writer.add(std::move(view), image.compressed, *recorder);
     }
-    encoding.push_back(std::move(view));
-    commitViews(kMaxEncoding);
-  }
-
-  /// Writes the views that are encoded, in order, and waits where more than `max_left` would be left.
-  void commitViews(std::size_t max_left) {
-    while (!encoding.empty()) {
-      PendingView& front = encoding.front();
-      const bool ready =
-          !front.encoded.valid() || front.encoded.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-      if (!ready && encoding.size() <= max_left) return;
-      PendingView view = std::move(front);
-      encoding.pop_front();
-      commitView(view);
-    }
-  }
-
-  void commitView(PendingView& view) {
-    if (view.encoded.valid()) {
-      EncodedImage encoded = view.encoded.get();
-      view.extension = encoded.extension;
-      view.bytes = std::make_shared<const std::vector<std::uint8_t>>(std::move(encoded.bytes));
-    }
-    recorder->addView(view.id, view.stamp, view.map_from_camera, *view.bytes, view.extension);
-    if (!events.view_kept) return;
-    View kept;
-    kept.camera = view.id;
-    kept.stamp = view.stamp;
-    kept.map_from_camera = view.map_from_camera;
-    events.view_kept(view.camera, kept, view.intrinsics, view.bytes);
+    return Outcome::kKept;
   }
 
   // ---- queues ----
@@ -439,7 +347,17 @@ struct Collector::Impl {
       workOff(camera.name, stats.cameras[i], camera.queue,
               [&](const ImageMessage& image) { return recordImage(camera, image); });
     }
-    commitViews(kMaxEncoding);
+    writer.writeReady(*recorder);
+  }
+
+  /// Tells of a view that was written.
+  void viewKept(const PendingView& view) {
+    if (!events.view_kept) return;
+    View kept;
+    kept.camera = view.id;
+    kept.stamp = view.stamp;
+    kept.map_from_camera = view.map_from_camera;
+    events.view_kept(view.camera, kept, view.intrinsics, view.bytes);
   }
 
   template <class Message>
@@ -470,12 +388,11 @@ struct Collector::Impl {
   CollectorStats stats;
   std::vector<CameraState> cameras;
   std::deque<sensor_msgs::PointCloud2ConstPtr> clouds;
-  std::deque<PendingView> encoding;
   std::map<std::string, double> last_stamps;
   std::map<std::string, Throttle> throttles;
   double newest = 0;  ///< s, of all clouds and images since time last jumped
   bool giving_up = false;
-  EncoderPool<EncodedImage> pool;  ///< last: its threads end before what they use
+  ViewWriter writer;
 };
 
 Collector::Collector(Recorder& recorder, const CollectorParams& params, CollectorEvents events)
@@ -514,7 +431,7 @@ void Collector::addImage(std::size_t camera, const sensor_msgs::CompressedImageC
 }
 
 void Collector::useRecorder(Recorder& recorder) {
-  impl_->commitViews(0);
+  impl_->writer.writeAll(*impl_->recorder);
   impl_->recorder = &recorder;
   impl_->stats = {};
   impl_->stats.cameras.resize(impl_->cameras.size());
@@ -532,12 +449,12 @@ void Collector::process() {
 void Collector::finish() {
   impl_->giving_up = true;
   impl_->process();
-  impl_->commitViews(0);
+  impl_->writer.writeAll(*impl_->recorder);
   impl_->giving_up = false;
 }
 
 std::size_t Collector::numPending() const {
-  std::size_t pending = impl_->clouds.size() + impl_->encoding.size();
+  std::size_t pending = impl_->clouds.size() + impl_->writer.numPending();
   for (const CameraState& camera : impl_->cameras) pending += camera.queue.size();
   return pending;
 }

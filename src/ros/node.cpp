@@ -33,22 +33,6 @@ constexpr std::chrono::seconds kSilence(5);
 constexpr std::size_t kMaxTransforms = 100000;  // tf messages that wait to be recorded
 constexpr std::size_t kMaxPathPoses = 100000;
 
-std::string dateAndTime() {
-  const std::time_t now = std::time(nullptr);
-  std::tm local = {};
-  localtime_r(&now, &local);
-  char text[32];
-  std::strftime(text, sizeof(text), "%Y-%m-%d-%H-%M-%S", &local);
-  return text;
-}
-
-/// The first of `name`, `name`_2, `name`_3, ... that does not exist.
-std::string unusedName(const std::string& name) {
-  std::string candidate = name;
-  for (int i = 2; std::filesystem::exists(candidate); ++i) candidate = name + "_" + std::to_string(i);
-  return candidate;
-}
-
 /// The newest view of a camera, for the preview.
 struct NewestView {
   View view;
@@ -58,23 +42,6 @@ struct NewestView {
 };
 
 }  // namespace
-
-std::string resolveRecordingDirectory(const std::string& recording_dir) {
-  if (!recording_dir.empty()) return std::filesystem::absolute(recording_dir).lexically_normal().string();
-  const char* ros_home = std::getenv("ROS_HOME");
-  const char* home = std::getenv("HOME");
-  const std::string base = ros_home != nullptr ? ros_home : std::string(home != nullptr ? home : "/tmp") + "/.ros";
-  std::filesystem::create_directories(base + "/cloud_colorizer");
-  return unusedName(base + "/cloud_colorizer/" + dateAndTime());
-}
-
-std::string setAside(const std::string& directory) {
-  std::string name = directory;
-  while (name.size() > 1 && name.back() == '/') name.pop_back();
-  const std::string target = unusedName(name + "." + dateAndTime());
-  std::filesystem::rename(name, target);
-  return target;
-}
 
 struct ColorizerNode::Impl {
   Impl(const ros::NodeHandle& node_in, const ros::NodeHandle& private_node_in, const AllParams& params_in)

@@ -249,6 +249,25 @@ TEST(Alignment, OneViewOrNoOverlapDoesNothingAndSaysSo) {
   EXPECT_NE(describe(result).find("nothing was changed"), std::string::npos);
 }
 
+TEST(Alignment, ImagesBeyond8BitAreLeftAloneWithAWarning) {
+  ReliefViews scene(4);
+  scene.disturbPoses(0.4, 0.01, 1);
+  scene.render(1);
+  for (const int depth : {CV_16U, CV_32F}) {
+    AlignmentInput input = scene.input();
+    input.images = [&](std::size_t v) {
+      auto image = std::make_shared<cv::Mat>();
+      scene.images[v].convertTo(*image, depth, 200);
+      return image;
+    };
+    const AlignmentResult result = align(input, {}, {});
+    ASSERT_EQ(result.warnings.size(), 1U);
+    EXPECT_NE(result.warnings[0].find("8 bits"), std::string::npos);
+    EXPECT_FALSE(result.poses_aligned || result.exposure_aligned);
+    EXPECT_EQ(result.views[2].map_from_camera.matrix(), scene.poses[2].matrix());
+  }
+}
+
 TEST(Alignment, EmptyInputGivesEmptyResult) {
   const AlignmentResult result = align({}, {}, {});
   EXPECT_TRUE(result.views.empty());

@@ -11,6 +11,7 @@
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
+#include <tuple>
 
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/colmap.hpp"
@@ -183,6 +184,43 @@ TEST_F(Colorize, AWallInAnotherChunkHides) {
   }
   EXPECT_EQ(behind_colored, 0U);
   EXPECT_GT(summary.by_reason[static_cast<std::size_t>(Unseen::kHidden)], recording.numPoints() * 4 / 10);
+}
+
+TEST_F(Colorize, WhatTheScanOfThatMomentSawThroughHidesNothingAndTakesNoColour) {
+  const auto colored_counts = [&](double scan_stamp, bool use_scans) {
+    const std::string name = "r" + std::to_string(scan_stamp) + std::to_string(use_scans);
+    record(name, {5, 15}, 0.04, {{0, 0, 2}}, 15);  // the view is at stamp 1
+    {
+      Eigen::Matrix3Xd returns = wall(15, 0.04).positions;
+      returns.row(2).array() -= 2;
+      const Eigen::Isometry3d sensor(Eigen::Translation3d(0, 0, 2));
+      Recorder(scratch_ / name, "map", record_).addScan("lidar", scan_stamp, returns, sensor);
+    }
+    params_.depth.use_scans = use_scans;
+    const Recording recording = Recording::open(scratch_ / name);
+    const ColorizeSummary summary = colorize(recording, params_, {});
+    const Cloud cloud = colored(recording);
+    std::size_t far = 0, near = 0;  // the near wall where the scan looked
+    for (Index i = 0; i < cloud.positions.cols(); ++i) {
+      const Eigen::Vector3d point = cloud.positions.col(i);
+      if (viewCountOf(cloud, i) == 0) continue;
+      if (point.x() > 10) ++far;
+      if (point.x() < 10 && std::abs(point.y()) < 1 && std::abs(point.z() - 2) < 0.4) ++near;
+    }
+    return std::make_tuple(far, near, summary.by_reason[static_cast<std::size_t>(Unseen::kAbsent)]);
+  };
+  const std::size_t wall_points = record("whole", {15}, 0.04, {}, 15).numPoints();
+  const auto [far, near, gone] = colored_counts(1.1, true);
+  EXPECT_GT(far, wall_points * 9 / 10);
+  EXPECT_EQ(near, 0U);
+  EXPECT_GT(gone, 1000U);
+  const auto [far_later, near_later, gone_later] = colored_counts(2, true);  // a scan of another time
+  EXPECT_LT(far_later, wall_points / 20);
+  EXPECT_GT(near_later, 900U);
+  EXPECT_EQ(gone_later, 0U);
+  const auto [far_without, near_without, gone_without] = colored_counts(1.1, false);
+  EXPECT_EQ(std::make_tuple(far_without, near_without, gone_without),
+            std::make_tuple(far_later, near_later, gone_later));
 }
 
 TEST_F(Colorize, WhatStoodWhereACameraHasBeenHidesNothing) {

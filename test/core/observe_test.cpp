@@ -90,6 +90,20 @@ TEST(Observe, SamplesEveryTypeBilinearly) {
   }
 }
 
+TEST(Observe, SaturatedValuesWeighLittle) {
+  const Scene scene = makeScene({{0, 0, 1}});
+  const auto weightAt = [&](const cv::Mat& image) {
+    ObservedView view = makeView();
+    view.image = std::make_shared<cv::Mat>(image);
+    return look(scene, {view}).observations.weights.at(0);
+  };
+  const float full = weightAt(cv::Mat(80, 100, CV_8UC3, cv::Scalar(245, 245, 245)));
+  EXPECT_NEAR(weightAt(cv::Mat(80, 100, CV_8UC3, cv::Scalar(200, 200, 254))), 0.05F * full, 1e-6);
+  EXPECT_NEAR(weightAt(cv::Mat(80, 100, CV_16UC1, cv::Scalar(65535))), 0.05F * full, 1e-6);
+  EXPECT_EQ(weightAt(cv::Mat(80, 100, CV_16UC1, cv::Scalar(255))), full);
+  EXPECT_EQ(weightAt(cv::Mat(80, 100, CV_32FC1, cv::Scalar(1e9))), full);
+}
+
 TEST(Observe, AppliesTheExposure) {
   const Scene scene = makeScene({{0, 0, 1}});
   ObservedView view = makeView();

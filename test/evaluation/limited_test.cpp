@@ -31,9 +31,18 @@ TEST(LimitedRun, TimeAndMemoryLimitsAndErrorsAreTold) {
                   sleep(20);
                   return std::string();
                 },
-                {0.2, 4000})
+                {0.02, 4000})
                 .status,
             "time limit");
+  const LimitedRun busy = runLimited(
+      [] {
+        for (volatile int i = 0;; i = i + 1) {
+        }
+        return std::string();
+      },
+      {0.1, 4000});
+  EXPECT_EQ(busy.status, "time limit");
+  EXPECT_GT(busy.seconds, 0.1);
 #if !defined(__SANITIZE_ADDRESS__)  // the sanitiser reserves terabytes and aborts where others throw
   EXPECT_EQ(runLimited([] { return std::string(1UL << 31, 'x'); }, {60, 200}).status, "memory limit");
 #endif

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <map>
 
 namespace cloud_colorizer {
 namespace {
@@ -117,6 +118,27 @@ TEST(Mesh, BuiltInShapesAreClosedAndNormalizeToDiameterTwo) {
   Mesh point;
   point.vertices = Points::Ones(3, 2);
   EXPECT_THROW(normalizeMesh(point), std::invalid_argument);
+}
+
+TEST(Mesh, ScanLinesAreAsFarApartAsAskedForAndDenseAlong) {
+  Mesh square;
+  square.name = "square";
+  square.vertices.resize(3, 4);
+  square.vertices << 0, 1, 1, 0, 0, 0, 0, 0, 0, 0, 1, 1;
+  square.normals = Points::Zero(3, 4);
+  square.normals.row(1).setOnes();
+  square.faces.resize(3, 2);
+  square.faces << 0, 0, 1, 2, 2, 3;
+  const SurfaceSamples samples = sampleScanLines(square, 1000, 10, 3);  // 10 lines of 100 points
+  EXPECT_NEAR(static_cast<double>(samples.points.cols()), 1000, 150);
+  std::map<int, int> lines;
+  for (Eigen::Index p = 0; p < samples.points.cols(); ++p) {
+    const float line = samples.points(2, p) * 10;
+    EXPECT_LT(line - std::floor(line), 0.011F);
+    ++lines[static_cast<int>(line)];
+  }
+  EXPECT_EQ(lines.size(), 10U);
+  EXPECT_THROW(sampleScanLines(square, 1000, 0.5, 3), std::invalid_argument);
 }
 
 }  // namespace

@@ -10,14 +10,14 @@
 namespace cloud_colorizer {
 
 struct Limits {
-  double seconds = 600;     ///< wall time
+  double seconds = 120;     ///< of a processor; ten times as long by the clock on the wall
   double megabytes = 8000;  ///< beyond what the caller has in use
 };
 
 struct LimitedRun {
   std::string status;         ///< "ok", "time limit", "memory limit", or the message of an exception
   std::string bytes;          ///< what `body` returned; empty unless ok
-  double seconds = 0;         ///< wall time
+  double seconds = 0;         ///< of a processor
   double peak_megabytes = 0;  ///< largest resident memory, of the child alone
 };
 

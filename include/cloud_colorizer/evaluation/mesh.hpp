@@ -43,4 +43,8 @@ struct SurfaceSamples {
 /// area is zero.
 SurfaceSamples sampleSurface(const Mesh& mesh, std::size_t count, std::uint64_t seed);
 
+/// About `count` points in horizontal lines, as a LiDAR samples: the lines are `ratio` times (at least 1) as far apart
+/// as the points along a line, which are random.
+SurfaceSamples sampleScanLines(const Mesh& mesh, std::size_t count, double ratio, std::uint64_t seed);
+
 }  // namespace cloud_colorizer

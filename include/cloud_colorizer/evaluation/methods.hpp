@@ -21,7 +21,7 @@ struct ObservedBed {
   Points points;
   Observations observations;
   ObserveStats stats;
-  double seconds = 0;  ///< surfels, depth images and observation
+  double seconds = 0;  ///< of a processor: surfels, depth images and observation
 };
 
 /// Visibility and observation with the given poses, and exposures and weights if any (one a view).
@@ -38,8 +38,8 @@ enum class Unanchored {
 };
 
 struct GraphSolution {
-  Values values;  ///< not clamped
-  SolveSeconds seconds;
+  Values values;         ///< not clamped
+  SolveSeconds seconds;  ///< of a processor
   std::size_t num_edges = 0;
   double unanchored_share = 0;  ///< share of points in parts without a random anchor
 };
@@ -55,7 +55,7 @@ OrderedGraph buildGraph(const std::string& graph, PointsRef points);
 struct MethodResult {
   Values values;                      ///< 3 x n of the test bed
   std::vector<std::uint8_t> colored;  ///< n
-  double seconds = 0;  ///< from observations to colours; for `default` with alignment, second observation
+  double seconds = 0;  ///< of a processor, from observations to colours; `default`: with alignment, second observation
   double edges_per_point = 0, unanchored_share = 0;
   double reprojection_error = 0;  ///< px, of the poses that were used
   double gain_error = 0;          ///< mean |gain * estimated correction / mean of it - 1| of the views

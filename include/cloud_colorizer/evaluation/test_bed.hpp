@@ -19,6 +19,7 @@ namespace cloud_colorizer {
 
 struct TestBedParams {
   std::size_t num_points = 300000;
+  double scan_line_ratio = 0;  ///< 0: points sampled uniformly; else in scan lines, see sampleScanLines
   int num_views = 48;
   int width = 1280, height = 960;  ///< px
   double focal_length = 1500;      ///< px

@@ -15,20 +15,20 @@
 
 namespace cloud_colorizer {
 
-class ScratchDirectory {
+class RecordingFolder {
  public:
   /// `keep` is the user's folder; where it is empty, a new folder is made beside the file `output`.
-  ScratchDirectory(const std::string& keep, const std::string& output) : path_(keep), remove_(keep.empty()) {
+  RecordingFolder(const std::string& keep, const std::string& output) : path_(keep), remove_(keep.empty()) {
     if (!remove_) return;
     path_ = output + ".XXXXXX";
     require(mkdtemp(path_.data()) != nullptr, "cannot make a temporary folder ", path_, ": ", std::strerror(errno));
   }
-  ~ScratchDirectory() {
+  ~RecordingFolder() {
     std::error_code ignored;
     if (remove_) std::filesystem::remove_all(path_, ignored);
   }
-  ScratchDirectory(const ScratchDirectory&) = delete;
-  ScratchDirectory& operator=(const ScratchDirectory&) = delete;
+  RecordingFolder(const RecordingFolder&) = delete;
+  RecordingFolder& operator=(const RecordingFolder&) = delete;
 
   const std::string& path() const { return path_; }
 

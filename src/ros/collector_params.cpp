@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <sstream>
+#include <stdexcept>
+
+#include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/ros/collector.hpp"
+
+namespace cloud_colorizer {
+
+const char* toString(Outcome outcome) {
+  static const char* const kNames[] = {"kept",
+                                       "not a keyframe",
+                                       "no transform",
+                                       "no camera_info",
+                                       "bad camera_info",
+                                       "size differs from camera_info",
+                                       "undecodable",
+                                       "malformed",
+                                       "no stamp",
+                                       "dropped when time jumped back",
+                                       "dropped from a full queue"};
+  return kNames[static_cast<std::size_t>(outcome)];
+}
+
+void CollectorParams::check() const {
+  require<std::invalid_argument>(!map_frame.empty() && map_frame != "/", "parameter map_frame must not be empty");
+  requireInRange("tf_wait", tf_wait, 0.0, 3600.0);
+  requireInRange("tf_cache", tf_cache, 1.0, 86400.0);
+  require<std::invalid_argument>(tf_cache > tf_wait, "parameter tf_cache = ", tf_cache,
+                                 " must exceed tf_wait = ", tf_wait);
+  require<std::invalid_argument>(raw_image_format == "png" || raw_image_format == "ppm" || raw_image_format == "jpg",
+                                 "parameter raw_image_format = \"", raw_image_format,
+                                 "\" must be one of: ppm, png, jpg");
+  requireInRange("encode_threads", encode_threads, 1, 64);
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const std::string name = "camera_" + std::to_string(i) + "/time_offset";
+    requireInRange(name.c_str(), cameras[i].time_offset, -60.0, 60.0);
+  }
+  record.check();
+}
+
+std::string CollectorStats::describe() const {
+  std::ostringstream out;
+  const auto line = [&out](const std::string& name, const StreamStats& stats) {
+    out << name << ": " << stats.received << " received";
+    for (std::size_t i = 0; i < stats.outcomes.size(); ++i) {
+      if (stats.outcomes[i] > 0) out << ", " << stats.outcomes[i] << ' ' << toString(static_cast<Outcome>(i));
+    }
+    out << '\n';
+  };
+  line("clouds", cloud);
+  for (std::size_t i = 0; i < cameras.size(); ++i) line("camera_" + std::to_string(i), cameras[i]);
+  out << "points: " << points.added << " recorded, " << points.voxel_taken << " in a voxel that is taken, "
+      << points.too_near << " too near, " << points.too_far << " too far, " << points.not_finite << " not finite";
+  return out.str();
+}
+
+}  // namespace cloud_colorizer

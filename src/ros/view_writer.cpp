@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "view_writer.hpp"
+
+#include <chrono>
+#include <utility>
+
+namespace cloud_colorizer {
+
+ViewWriter::ViewWriter(int num_threads, const std::string& raw_image_format, Kept kept)
+    : raw_image_format_(raw_image_format), kept_(std::move(kept)), pool_(num_threads) {}
+
+void ViewWriter::add(PendingView view, const sensor_msgs::ImageConstPtr& raw, Recorder& recorder) {
+  view.encoded = pool_.run([raw, format = raw_image_format_] { return encodeImage(imageFromMessage(*raw), format); });
+  views_.push_back(std::move(view));
+  writeReady(recorder);
+}
+
+void ViewWriter::add(PendingView view, const sensor_msgs::CompressedImageConstPtr& compressed, Recorder& recorder) {
+  view.bytes = SharedBytes(&compressed->data, [keep = compressed](const void*) {});
+  views_.push_back(std::move(view));
+  writeReady(recorder);
+}
+
+void ViewWriter::write(std::size_t max_left, Recorder& recorder) {
+  while (!views_.empty()) {
+    const PendingView& front = views_.front();
+    const bool ready =
+        !front.encoded.valid() || front.encoded.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    if (!ready && views_.size() <= max_left) return;
+    PendingView view = std::move(views_.front());
+    views_.pop_front();
+    if (view.encoded.valid()) {
+      EncodedImage encoded = view.encoded.get();
+      view.extension = encoded.extension;
+      view.bytes = std::make_shared<const std::vector<std::uint8_t>>(std::move(encoded.bytes));
+    }
+    recorder.addView(view.id, view.stamp, view.map_from_camera, *view.bytes, view.extension);
+    if (kept_) kept_(view);
+  }
+}
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Writes views into a recording, in order, while other threads encode the raw images among them.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <deque>
+#include <functional>
+#include <future>
+#include <string>
+
+#include "cloud_colorizer/recording.hpp"
+#include "cloud_colorizer/ros/collector.hpp"
+#include "cloud_colorizer/ros/conversions.hpp"
+#include "encoder_pool.hpp"
+
+namespace cloud_colorizer {
+
+/// A view whose image may still be with an encoder.
+struct PendingView {
+  std::size_t camera = 0;  ///< of the collector
+  std::uint32_t id = 0;    ///< of the recording
+  double stamp = 0;
+  Eigen::Isometry3d map_from_camera;
+  Intrinsics intrinsics;
+  SharedBytes bytes;  ///< of a compressed image, as received
+  std::string extension;
+  std::future<EncodedImage> encoded;  ///< of a raw image
+};
+
+class ViewWriter {
+ public:
+  using Kept = std::function<void(const PendingView&)>;
+
+  /// `kept` is called for every view that is written.
+  ViewWriter(int num_threads, const std::string& raw_image_format, Kept kept);
+
+  /// Takes a view with its image; waits for the first ones when too many are in work.
+  void add(PendingView view, const sensor_msgs::ImageConstPtr& raw, Recorder& recorder);
+  void add(PendingView view, const sensor_msgs::CompressedImageConstPtr& compressed, Recorder& recorder);
+  void writeReady(Recorder& recorder) { write(kMaxEncoding, recorder); }
+  void writeAll(Recorder& recorder) { write(0, recorder); }
+  std::size_t numPending() const { return views_.size(); }
+
+ private:
+  static constexpr std::size_t kMaxEncoding = 8;  // images in work
+
+  /// Writes the views that are encoded, and waits where more than `max_left` would be left.
+  void write(std::size_t max_left, Recorder& recorder);
+
+  std::string raw_image_format_;
+  Kept kept_;
+  std::deque<PendingView> views_;
+  EncoderPool<EncodedImage> pool_;  ///< last: its threads end before what they use
+};
+
+}  // namespace cloud_colorizer
