@@ -59,7 +59,7 @@ struct AlignmentInput {
 
 struct ViewAlignment {
   Eigen::Isometry3d map_from_camera = Eigen::Isometry3d::Identity();  ///< corrected
-  Exposure exposure;                                                  ///< gain by channel
+  Exposure exposure;                                                  ///< gain by channel of its image; empty where none was estimated
   float weight = 1;                                                   ///< 0.1 to 1: sharpness against the other views
   bool refused = false;        ///< keeps the pose it came with (but for its camera's correction)
   std::string reason;          ///< why it was refused

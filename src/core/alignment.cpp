@@ -82,7 +82,6 @@ class Aligner {
     result_.cameras.resize(input.cameras.size());
     for (std::size_t v = 0; v < input.views.size(); ++v) {
       result_.views[v].map_from_camera = input.views[v].map_from_camera;
-      result_.views[v].exposure.gain = Eigen::ArrayXf::Ones(3);
     }
   }
 

@@ -111,6 +111,10 @@ double shrinkFactor(double size, double uncertainty) {
   return std::max(0.0, 1 - std::pow(kKappa * std::pow(uncertainty / size, 2), 2));
 }
 
+double shrinkFactor(double group_size, double own_size, double uncertainty) {
+  return std::max(shrinkFactor(group_size, uncertainty), shrinkFactor(own_size, 1.5 * uncertainty));
+}
+
 PointGroups groupPoints(const AlignmentInput& input, double block) {
   PointGroups groups(static_cast<std::size_t>(input.points.cols()));
   for (std::size_t p = 0; p < groups.size(); ++p) {
@@ -139,13 +143,15 @@ PoseShrinkage shrinkPoses(const PoseData& data, const PosePriors& priors, int nu
   Matrices6 shifts(num_cameras, Matrix6::Zero());
   std::vector<double> counts(num_cameras, 0), squares(num_cameras, 0), uncertain(num_cameras, 0);
   std::vector<Twist> own(views.size());  // a view's correction without its camera's
+  std::vector<double> own_pixels(views.size(), 0);
   for (std::size_t v = 0; v < views.size(); ++v) {
     const std::uint32_t c = views[v].camera;
     own[v] = state.views[v] - state.cameras[c] - state.time_offsets[c] * priors.velocities[v];
     if (data.tracks->offsets[v] == data.tracks->offsets[v + 1]) continue;
     const Matrix6 shift = shiftMatrix(data, state, v);
     const auto row = static_cast<Eigen::Index>(6 * v), base = terms.cameraBase(c);
-    squares[c] += squaredShift(shift, own[v]);
+    own_pixels[v] = std::sqrt(squaredShift(shift, own[v]));
+    squares[c] += std::pow(own_pixels[v], 2);
     uncertain[c] += squaredUncertainty(shift, [&](Eigen::Index g) -> Twist {
       return steps.col(g).segment<6>(row) - steps.col(g).segment<6>(base) - steps(base + 6, g) * priors.velocities[v];
     });
@@ -163,7 +169,8 @@ PoseShrinkage shrinkPoses(const PoseData& data, const PosePriors& priors, int nu
   }
   for (std::size_t v = 0; v < views.size(); ++v) {
     const std::uint32_t c = views[v].camera;
-    state.views[v] = state.cameras[c] + state.time_offsets[c] * priors.velocities[v] + result.views[c].factor * own[v];
+    const double kept = shrinkFactor(result.views[c].pixels, own_pixels[v], result.views[c].uncertainty);
+    state.views[v] = state.cameras[c] + state.time_offsets[c] * priors.velocities[v] + kept * own[v];
   }
   return result;
 }

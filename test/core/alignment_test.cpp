@@ -73,6 +73,9 @@ TEST(AlignmentSignificance, FactorFallsToZeroNearTheUncertainty) {
   EXPECT_GT(shrinkFactor(1.5, 1), 0);
   EXPECT_EQ(shrinkFactor(3, 0), 1);
   EXPECT_NEAR(shrinkFactor(10, 1), 0.9996, 1e-12);
+  EXPECT_GT(shrinkFactor(0.5, 20, 1), 0.99);  // stands out
+  EXPECT_EQ(shrinkFactor(0.5, 2, 1), 0);
+  EXPECT_EQ(shrinkFactor(10, 0.1, 1), shrinkFactor(10, 1));
 }
 
 TEST(AlignmentSignificance, PointsOfABlockShareAGroup) {
@@ -247,6 +250,21 @@ TEST(Alignment, OneViewOrNoOverlapDoesNothingAndSaysSo) {
   EXPECT_TRUE((result.views[0].exposure.gain == 1).all());
   ASSERT_EQ(result.warnings.size(), 1U);
   EXPECT_NE(describe(result).find("nothing was changed"), std::string::npos);
+}
+
+TEST(Alignment, GreyImagesHaveOneGain) {
+  ReliefViews scene(4);
+  scene.gains = {0.8, 1.2, 0.9, 1.1};
+  scene.render(1);
+  AlignmentInput input = scene.input();
+  input.images = [&](std::size_t v) {
+    auto image = std::make_shared<cv::Mat>();
+    cv::cvtColor(scene.images[v], *image, cv::COLOR_RGB2GRAY);
+    return image;
+  };
+  const AlignmentResult result = align(input, {}, {});
+  ASSERT_EQ(result.views[0].exposure.gain.size(), 1);
+  EXPECT_NEAR(result.views[0].exposure.gain[0] / result.views[1].exposure.gain[0], 1.5, 0.02);
 }
 
 TEST(Alignment, ImagesBeyond8BitAreLeftAloneWithAWarning) {

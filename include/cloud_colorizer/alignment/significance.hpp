@@ -28,8 +28,10 @@ struct PoseShrinkage {
   std::vector<Shrinkage> cameras, views;  ///< both one a camera; `views`: of all its views against it
 };
 
-/// Factor of a group; `uncertainty` and `size` in the same unit.
+/// Factor of a group; `uncertainty` and `size` (root mean square) in the same unit.
 double shrinkFactor(double size, double uncertainty);
+/// Of a member of a group: where it stands out (at a bound half as high again), its own size counts.
+double shrinkFactor(double group_size, double own_size, double uncertainty);
 
 /// Shrinks what is in `state`, where refinePoses() has converged with the same data and priors.
 PoseShrinkage shrinkPoses(const PoseData& data, const PosePriors& priors, int num_threads, PoseState& state);
