@@ -59,7 +59,7 @@ struct AlignmentInput {
 
 struct ViewAlignment {
   Eigen::Isometry3d map_from_camera = Eigen::Isometry3d::Identity();  ///< corrected
-  Exposure exposure;                                                  ///< gain by channel
+  Exposure exposure;                                                  ///< gain by channel of its image; empty where none was estimated
   float weight = 1;                                                   ///< 0.1 to 1: sharpness against the other views
   bool refused = false;        ///< keeps the pose it came with (but for its camera's correction)
   std::string reason;          ///< why it was refused
@@ -75,6 +75,8 @@ struct CameraAlignment {
   Eigen::Isometry3d corrected_from_camera = Eigen::Isometry3d::Identity();  ///< shared correction, in its own frame
   double rotation = 0;                                                      ///< deg
   double translation = 0;                                                   ///< m
+  double uncertainty = 0;                                                   ///< px, of the shared correction
+  double views_uncertainty = 0;                                             ///< px, of its views' own corrections
   double time_offset = 0;            ///< s to add to the stamps for the best agreement
   double time_offset_stddev = 0;     ///< s; 0 when there is no motion to tell it from
   bool time_offset_suspect = false;  ///< large against its uncertainty and worth a warning

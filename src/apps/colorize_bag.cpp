@@ -7,6 +7,7 @@
 
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/colorize.hpp"
+#include "cloud_colorizer/export_model.hpp"
 #include "cloud_colorizer/io.hpp"
 #include "cloud_colorizer/recording.hpp"
 #include "cloud_colorizer/ros/bag_source.hpp"
@@ -28,7 +29,8 @@ CommandSpec commandSpec() {
       {"output", "FILE", "the coloured map, .ply or .pcd", true},
       {"config", "FILE",
        "rig file: which topic is what; without it a bag that can be read in one way only is understood", false},
-      {"recording", "DIR", "keep the recording here; `colorize DIR` colours it again", false}};
+      {"recording", "DIR", "keep the recording here; `colorize DIR` colours it again", false},
+      kWriteModelOption};
   spec.other_params = describeCollectorParams(CollectorParams());
   return spec;
 }
@@ -68,6 +70,7 @@ void record(const CommandLine& line, const std::string& directory, const Callbac
 void run(const CommandLine& line, const Callbacks& callbacks) {
   const std::string output = line.option("output");
   CloudWriter::checkPath(output);
+  prepareModelFolder(line);
   const RecordingFolder scratch(line.option("recording"), output);
   record(line, scratch.path(), callbacks);
   const Recording recording = Recording::open(scratch.path());
@@ -75,6 +78,7 @@ void run(const CommandLine& line, const Callbacks& callbacks) {
   callbacks.log(LogLevel::kInfo, summary.describe());
   saveColored(recording, line.params, output, callbacks);
   callbacks.log(LogLevel::kInfo, "saved " + output);
+  if (line.has("write-model")) exportModel(recording, line.params, line.option("write-model"));
 }
 
 }  // namespace

@@ -2,11 +2,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// colorize_map --cloud map.ply --images DIR --model COLMAP_TEXT_DIR --output colored.ply [name=value ...]
+#include <filesystem>
+
+#include "cloud_colorizer/colmap.hpp"
 #include "cloud_colorizer/colorize.hpp"
+#include "cloud_colorizer/export_model.hpp"
 #include "cloud_colorizer/import_model.hpp"
 #include "cloud_colorizer/io.hpp"
 #include "command_line.hpp"
 #include "recording_folder.hpp"
+
+namespace {
+
+/// As the model has them: its images were imported in their order.
+std::vector<std::string> imageNames(const std::string& model) {
+  std::vector<std::string> names;
+  for (const auto& image : cloud_colorizer::readColmapModel(model).images) names.push_back(image.name);
+  return names;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace cloud_colorizer;
@@ -17,13 +32,20 @@ int main(int argc, char** argv) {
                   {"images", "DIR", "folder of the images that the model names", true},
                   {"model", "DIR", "folder with cameras.txt and images.txt", true},
                   {"output", "FILE", "the coloured map, .ply or .pcd", true},
-                  {"recording", "DIR", "keep the recording here instead of in a temporary folder", false}};
+                  {"recording", "DIR", "keep the recording here instead of in a temporary folder", false},
+                  kWriteModelOption};
   // A finished map: every point is wanted, and nothing is known about its scale or about where it was measured from.
   spec.defaults.record.voxel_size = 0;
   spec.defaults.depth.max_view_distance = 1e6;
   return runMain(argc, argv, spec, [](const CommandLine& line, const Callbacks& callbacks) {
     const std::string output = line.option("output");
     CloudWriter::checkPath(output);
+    prepareModelFolder(line);
+    std::error_code ignored;
+    if (line.has("write-model") &&
+        std::filesystem::equivalent(line.option("write-model"), line.option("model"), ignored)) {
+      throw UsageError("--write-model would replace the --model that is read; give it another folder");
+    }
     const RecordingFolder scratch(line.option("recording"), output);
     const Recording recording = importModel({line.option("cloud"), line.option("images"), line.option("model")},
                                             scratch.path(), line.params.record, callbacks);
@@ -31,5 +53,7 @@ int main(int argc, char** argv) {
     callbacks.log(LogLevel::kInfo, summary.describe());
     saveColored(recording, line.params, output, callbacks);
     callbacks.log(LogLevel::kInfo, "saved " + output);
+    if (line.has("write-model"))
+      exportModel(recording, line.params, line.option("write-model"), imageNames(line.option("model")));
   });
 }

@@ -13,6 +13,7 @@
 #include "cloud_colorizer/alignment/gains.hpp"
 #include "cloud_colorizer/alignment/intensity.hpp"
 #include "cloud_colorizer/alignment/poses.hpp"
+#include "cloud_colorizer/alignment/significance.hpp"
 #include "cloud_colorizer/alignment/tracks.hpp"
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/parallel.hpp"
@@ -44,6 +45,19 @@ void checkInput(const AlignmentInput& input) {
                                  "alignment: needs a source of images and of depth images");
 }
 
+// A camera whose images are not 8-bit, or -1.
+int cameraBeyond8Bit(const AlignmentInput& input) {
+  std::vector<bool> seen(input.cameras.size(), false);
+  for (std::size_t v = 0; v < input.views.size(); ++v) {
+    const std::uint32_t camera = input.views[v].camera;
+    if (seen[camera]) continue;
+    seen[camera] = true;
+    const auto image = input.images(v);
+    if (image && image->depth() != CV_8U) return static_cast<int>(camera);
+  }
+  return -1;
+}
+
 // The input with its points moved onto the surface, as all stages look at them.
 AlignmentInput onSurface(const AlignmentInput& input) {
   AlignmentInput moved = input;
@@ -68,7 +82,6 @@ class Aligner {
     result_.cameras.resize(input.cameras.size());
     for (std::size_t v = 0; v < input.views.size(); ++v) {
       result_.views[v].map_from_camera = input.views[v].map_from_camera;
-      result_.views[v].exposure.gain = Eigen::ArrayXf::Ones(3);
     }
   }
 
@@ -80,6 +93,7 @@ class Aligner {
   void findClocks();
   void refine();
   void updateGains(const PoseData& data);
+  void shrink(const PoseData& data);
   void refuse();
   void report();
   void warnAboutCamera(std::size_t c);
@@ -227,6 +241,7 @@ void Aligner::refine() {
     const PoseData data{&input_, &tracks_, &images, &log_gains_, sigmas[level], ranks_.size() > 0 ? &ranks_ : nullptr};
     updateGains(data);
     const PoseRounds rounds = refinePoses(data, priors_, params_.alignment_rounds, input_.num_threads, state_);
+    if (level + 1 == sigmas.size()) shrink(data);
     if (!callbacks_.log) continue;
     std::ostringstream text;
     text << "Alignment at a blur of " << sigmas[level] << " px: residual " << rounds.residual_first << " to "
@@ -235,6 +250,24 @@ void Aligner::refine() {
     callbacks_.log(LogLevel::kInfo, text.str());
   }
   poll("align poses", sigmas.size(), sigmas.size());
+}
+
+// Corrections that are no larger than their uncertainty are left out.
+void Aligner::shrink(const PoseData& data) {
+  const PoseShrinkage shrinkage = shrinkPoses(data, priors_, input_.num_threads, state_);
+  for (std::size_t c = 0; c < input_.cameras.size(); ++c) {
+    const Shrinkage &common = shrinkage.cameras[c], &views = shrinkage.views[c];
+    result_.cameras[c].uncertainty = common.uncertainty;
+    result_.cameras[c].views_uncertainty = views.uncertainty;
+    if (!callbacks_.log || (common.factor > 0 && views.factor > 0)) continue;
+    std::ostringstream text;
+    text << std::setprecision(2) << "Alignment of camera_" << c << ": corrections no larger than their uncertainty are"
+         << " left out (";
+    if (common.factor == 0) text << "of the camera: " << common.pixels << " +- " << common.uncertainty << " px";
+    if (common.factor == 0 && views.factor == 0) text << ", ";
+    if (views.factor == 0) text << "of its views: " << views.pixels << " +- " << views.uncertainty << " px";
+    callbacks_.log(LogLevel::kInfo, text.str() + ")");
+  }
 }
 
 // Median distance of each view's observations to their points' medians, and of all.
@@ -320,6 +353,12 @@ void Aligner::report() {
 
 AlignmentResult Aligner::run() {
   if (!params_.align_exposure && params_.align_poses == AlignPoses::kNone) return std::move(result_);
+  if (const int camera = cameraBeyond8Bit(input_); camera >= 0) {
+    result_.warnings.push_back("Nothing was aligned: the images of camera_" + std::to_string(camera) +
+                               " are not 8 bits a channel; convert them, or set align_exposure false and align_poses "
+                               "none to be without this warning.");
+    return std::move(result_);
+  }
   if (params_.align_to_intensity) ranks_ = intensityRanks(input_.intensity);
   look(true);
   if (!hasOverlap()) return std::move(result_);

@@ -5,6 +5,7 @@
 
 #include "cloud_colorizer/alignment/exposure.hpp"
 #include "cloud_colorizer/alignment/gains.hpp"
+#include "cloud_colorizer/alignment/significance.hpp"
 #include "cloud_colorizer/parallel.hpp"
 
 namespace cloud_colorizer::alignment {
@@ -13,6 +14,11 @@ namespace {
 // Value of every observation in one channel; weight 0 where it has no vote.
 struct Channel {
   std::vector<float> values, weights;
+};
+
+struct Channels {
+  std::vector<Channel> channels{3};  // a grey image counts three times
+  std::vector<int> in_image;         // by view; 0 where it sees no point
 };
 
 // Calls visit(k, local, projected) for every observation of the view that is inside the image.
@@ -29,9 +35,10 @@ void forEachSighting(const AlignmentInput& input, const Tracks& tracks, const Po
   }
 }
 
-std::vector<Channel> sampleChannels(const AlignmentInput& input, const Tracks& tracks, const PoseState& state,
-                                    double sigma) {
-  std::vector<Channel> channels(3);
+Channels sampleChannels(const AlignmentInput& input, const Tracks& tracks, const PoseState& state, double sigma) {
+  Channels result;
+  result.in_image.assign(tracks.numViews(), 0);
+  std::vector<Channel>& channels = result.channels;
   for (Channel& channel : channels) {
     channel.values.assign(tracks.numObservations(), 0);
     channel.weights.assign(tracks.numObservations(), 0);
@@ -40,6 +47,7 @@ std::vector<Channel> sampleChannels(const AlignmentInput& input, const Tracks& t
     if (tracks.offsets[v] == tracks.offsets[v + 1]) return;
     const auto image = loadImage(input, v);
     const auto mask = loadMask(input, v);
+    result.in_image[v] = image->channels();
     for (int c = 0; c < 3; ++c) {
       cv::Mat plane;
       cv::extractChannel(*image, plane, std::min(c, image->channels() - 1));
@@ -52,7 +60,17 @@ std::vector<Channel> sampleChannels(const AlignmentInput& input, const Tracks& t
       });
     }
   });
-  return channels;
+  return result;
+}
+
+// Views that differ by no more than what the images get wrong together are equally bright; one that does is no
+// reason to move the others, nor they to keep it.
+void shrinkGains(Eigen::VectorXd& log_gains) {
+  constexpr double kSystematic = 0.005;
+  const double size = std::sqrt(log_gains.squaredNorm() / std::max<double>(1, static_cast<double>(log_gains.size())));
+  for (Eigen::Index v = 0; v < log_gains.size(); ++v) {
+    log_gains[v] *= shrinkFactor(size, std::abs(log_gains[v]), kSystematic);
+  }
 }
 
 }  // namespace
@@ -61,15 +79,16 @@ std::vector<Exposure> estimateExposures(const AlignmentInput& input, const Track
                                         double sigma, double max_gain) {
   std::vector<Exposure> exposures(tracks.numViews());
   for (Exposure& exposure : exposures) exposure.gain = Eigen::ArrayXf::Ones(3);
-  const std::vector<Channel> channels = sampleChannels(input, tracks, state, sigma);
+  const Channels sampled = sampleChannels(input, tracks, state, sigma);
   for (Eigen::Index c = 0; c < 3; ++c) {
-    const Channel& channel = channels[static_cast<std::size_t>(c)];
-    const Eigen::VectorXd gains =
-        estimateLogGains(tracks, channel.values, channel.weights, max_gain, input.num_threads);
+    const Channel& channel = sampled.channels[static_cast<std::size_t>(c)];
+    Eigen::VectorXd gains = estimateLogGains(tracks, channel.values, channel.weights, max_gain, input.num_threads);
+    shrinkGains(gains);
     for (std::size_t v = 0; v < exposures.size(); ++v) {
       exposures[v].gain[c] = static_cast<float>(std::exp(gains[static_cast<Eigen::Index>(v)]));
     }
   }
+  for (std::size_t v = 0; v < exposures.size(); ++v) exposures[v].gain.conservativeResize(sampled.in_image[v]);
   return exposures;
 }
 
@@ -82,7 +101,7 @@ std::vector<float> sharpnessWeights(const AlignmentInput& input, const Tracks& t
     if (tracks.offsets[v] == tracks.offsets[v + 1]) return;
     const auto mask = loadMask(input, v);
     const BlurredImage blurred = blurImage(*loadImage(input, v), mask.get(), kSigma);
-    const float gain = exposures[v].gain.mean();
+    const float gain = exposures[v].gain.size() > 0 ? exposures[v].gain.mean() : 1.0F;
     forEachSighting(input, tracks, state, v, 3 * kSigma, [&](auto k, const auto&, const Eigen::Vector2d& pixel) {
       const GreySample sample = sampleGrey(blurred, pixel);
       if (!sample.valid) return;

@@ -47,14 +47,16 @@ Eigen::VectorXd solveGains(const Tracks& tracks, const Equations<1>& equations, 
   return factor.solve(-kEvidenceShare * normal.gradient - stiffness * current);
 }
 
-void centre(const Tracks& tracks, const std::vector<float>& weights, Eigen::VectorXd& gains) {
-  double sum = 0, count = 0;
+// The mean brightness of what was seen stays what it was.
+void centre(const std::vector<float>& values, const std::vector<float>& weights, const Tracks& tracks,
+            Eigen::VectorXd& gains) {
+  double before = 0, after = 0;
   for (std::size_t k = 0; k < weights.size(); ++k) {
     if (!(weights[k] > 0)) continue;
-    sum += gains[tracks.views[k]];
-    ++count;
+    before += values[k];
+    after += values[k] * std::exp(gains[tracks.views[k]]);
   }
-  if (count > 0) gains.array() -= sum / count;
+  if (before > 0 && after > 0) gains.array() += std::log(before / after);
 }
 
 }  // namespace
@@ -103,7 +105,7 @@ Eigen::VectorXd estimateLogGains(const Tracks& tracks, const std::vector<float>&
     gains += step;
     if (step.size() > 0 && step.cwiseAbs().maxCoeff() < 1e-5 && round > 3) break;
   }
-  centre(tracks, weights, gains);
+  centre(values, weights, tracks, gains);
   const double limit = std::log(max_gain);
   return gains.cwiseMax(-limit).cwiseMin(limit);
 }

@@ -120,10 +120,11 @@ Eigen::VectorXf intensityRanks(const Eigen::VectorXf& intensity) {
   return ranks;
 }
 
-IntensityTerm intensityTerm(const Tracks& tracks, const Samples& samples, const Eigen::VectorXf& ranks,
-                            int num_threads) {
+IntensityTerm intensityTerm(const Tracks& tracks, const Samples& samples, const Eigen::VectorXf& ranks, int num_threads,
+                            const PointGroups& groups) {
   const std::size_t count = tracks.numObservations(), num_views = tracks.numViews();
   IntensityTerm term;
+  if (!groups.empty()) term.group_gradients.setZero(static_cast<Eigen::Index>(6 * num_views), kPointGroups);
   term.hessians.assign(num_views, Eigen::Matrix<double, 6, 6>::Zero());
   term.gradients.assign(num_views, Twist::Zero());
   Relative relative{std::vector<float>(count, 0), std::vector<float>(count, 0), std::vector<float>(count, 0),
@@ -141,7 +142,13 @@ IntensityTerm intensityTerm(const Tracks& tracks, const Samples& samples, const 
       const double w = factor * relative.weights[k];
       if (!(w > 0)) continue;
       const Twist jacobian = relative.jacobians[k].cast<double>();
-      term.gradients[v] += w * (explained * relative.values[k] - bins(relative.ranks[k])) * jacobian;
+      const Twist pull = w * (explained * relative.values[k] - bins(relative.ranks[k])) * jacobian;
+      term.gradients[v] += pull;
+      if (!groups.empty()) {
+        const auto row = static_cast<Eigen::Index>(6 * v),
+                   group = static_cast<Eigen::Index>(groups[tracks.sightings[k].point]);
+        term.group_gradients.col(group).segment<6>(row) += pull;
+      }
       // Only the explained part of the grey level moves with the intensity.
       term.hessians[v] += (w * explained) * jacobian * jacobian.transpose();
     }

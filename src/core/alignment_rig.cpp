@@ -9,8 +9,9 @@
 namespace cloud_colorizer::alignment {
 namespace {
 
-constexpr double kMaxStampGap = 1.0;  // s between neighbours that still tell the speed
-constexpr double kStiff = 1e-4;       // of a prior: a correction that is not asked for
+// s between neighbours that still tell the speed; less than the 1 s that a model of photographs is given.
+constexpr double kMaxStampGap = 0.95;
+constexpr double kStiff = 1e-4;  // of a prior: a correction that is not asked for
 
 Twist sigmas(double rotation_deg, double translation, double depth) {
   const double rotation = rotation_deg * M_PI / 180;

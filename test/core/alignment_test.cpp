@@ -4,8 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <opencv2/imgproc.hpp>
+#include <set>
+#include <tuple>
 
+#include "cloud_colorizer/alignment/significance.hpp"
 #include "core/relief_scene.hpp"
 
 namespace cloud_colorizer {
@@ -45,6 +49,61 @@ TEST(Alignment, ExactDataAreUnharmed) {
     EXPECT_GT(view.weight, 0.7F);
   }
   EXPECT_TRUE(result.warnings.empty());
+}
+
+TEST(Alignment, CorrectionsWithinTheirUncertaintyAreLeftOut) {
+  ReliefViews scene(8);
+  scene.render(1);
+  const AlignmentResult exact = align(scene.input(), {}, {});
+  EXPECT_EQ(exact.pixels, 0);
+  EXPECT_GT(exact.cameras[0].uncertainty, 0);
+  scene.disturbPoses(0.4, 0.01, 1);
+  const AlignmentResult disturbed = align(scene.input(), looseParams(), {});
+  EXPECT_GT(disturbed.pixels, 5 * disturbed.cameras[0].views_uncertainty);
+  for (std::size_t v = 0; v < scene.poses.size(); ++v) {
+    EXPECT_TRUE(exact.views[v].map_from_camera.isApprox(scene.true_poses[v], 1e-12));
+    EXPECT_TRUE((exact.views[v].exposure.gain == 1).all());
+  }
+}
+
+TEST(AlignmentSignificance, FactorFallsToZeroNearTheUncertainty) {
+  using alignment::shrinkFactor;
+  EXPECT_EQ(shrinkFactor(0, 1), 0);
+  EXPECT_EQ(shrinkFactor(1.4, 1), 0);
+  EXPECT_GT(shrinkFactor(1.5, 1), 0);
+  EXPECT_EQ(shrinkFactor(3, 0), 1);
+  EXPECT_NEAR(shrinkFactor(10, 1), 0.9996, 1e-12);
+  EXPECT_GT(shrinkFactor(0.5, 20, 1), 0.99);  // stands out
+  EXPECT_EQ(shrinkFactor(0.5, 2, 1), 0);
+  EXPECT_EQ(shrinkFactor(10, 0.1, 1), shrinkFactor(10, 1));
+}
+
+TEST(AlignmentSignificance, PointsOfABlockShareAGroup) {
+  AlignmentInput input;
+  input.points = Points::Random(3, 5000);
+  const alignment::PointGroups groups = alignment::groupPoints(input, 0.1);
+  std::map<std::tuple<double, double, double>, int> of_block;
+  std::set<int> used;
+  for (Eigen::Index p = 0; p < input.points.cols(); ++p) {
+    const Eigen::Vector3d cell = (input.points.col(p).cast<double>() / 0.1).array().floor();
+    const int group = groups[static_cast<std::size_t>(p)];
+    EXPECT_EQ(of_block.emplace(std::tuple(cell[0], cell[1], cell[2]), group).first->second, group);
+    used.insert(group);
+  }
+  EXPECT_EQ(used.size(), static_cast<std::size_t>(alignment::kPointGroups));
+}
+
+TEST(Alignment, MeanBrightnessStays) {
+  ReliefViews scene(6);
+  scene.gains = {0.7, 1.3, 0.8, 1.2, 0.9, 1.3};
+  scene.render(1);
+  const AlignmentResult result = align(scene.input(), {}, {});
+  double before = 0, after = 0;
+  for (std::size_t v = 0; v < scene.gains.size(); ++v) {
+    before += scene.gains[v] / 6;
+    after += scene.gains[v] * static_cast<double>(result.views[v].exposure.gain.mean()) / 6;
+  }
+  EXPECT_NEAR(after / before, 1, 0.01);
 }
 
 TEST(Alignment, GainsAreRecoveredWhilePosesAreOff) {
@@ -191,6 +250,40 @@ TEST(Alignment, OneViewOrNoOverlapDoesNothingAndSaysSo) {
   EXPECT_TRUE((result.views[0].exposure.gain == 1).all());
   ASSERT_EQ(result.warnings.size(), 1U);
   EXPECT_NE(describe(result).find("nothing was changed"), std::string::npos);
+}
+
+TEST(Alignment, GreyImagesHaveOneGain) {
+  ReliefViews scene(4);
+  scene.gains = {0.8, 1.2, 0.9, 1.1};
+  scene.render(1);
+  AlignmentInput input = scene.input();
+  input.images = [&](std::size_t v) {
+    auto image = std::make_shared<cv::Mat>();
+    cv::cvtColor(scene.images[v], *image, cv::COLOR_RGB2GRAY);
+    return image;
+  };
+  const AlignmentResult result = align(input, {}, {});
+  ASSERT_EQ(result.views[0].exposure.gain.size(), 1);
+  EXPECT_NEAR(result.views[0].exposure.gain[0] / result.views[1].exposure.gain[0], 1.5, 0.02);
+}
+
+TEST(Alignment, ImagesBeyond8BitAreLeftAloneWithAWarning) {
+  ReliefViews scene(4);
+  scene.disturbPoses(0.4, 0.01, 1);
+  scene.render(1);
+  for (const int depth : {CV_16U, CV_32F}) {
+    AlignmentInput input = scene.input();
+    input.images = [&](std::size_t v) {
+      auto image = std::make_shared<cv::Mat>();
+      scene.images[v].convertTo(*image, depth, 200);
+      return image;
+    };
+    const AlignmentResult result = align(input, {}, {});
+    ASSERT_EQ(result.warnings.size(), 1U);
+    EXPECT_NE(result.warnings[0].find("8 bits"), std::string::npos);
+    EXPECT_FALSE(result.poses_aligned || result.exposure_aligned);
+    EXPECT_EQ(result.views[2].map_from_camera.matrix(), scene.poses[2].matrix());
+  }
 }
 
 TEST(Alignment, EmptyInputGivesEmptyResult) {

@@ -14,6 +14,8 @@
 #include <tuple>
 
 #include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/colmap.hpp"
+#include "cloud_colorizer/export_model.hpp"
 #include "cloud_colorizer/io.hpp"
 #include "core/scratch.hpp"
 
@@ -123,6 +125,34 @@ std::string bytesOf(const std::string& path) {
 }
 
 const std::vector<Eigen::Vector3d> kThreeCameras = {{0, -1, 2}, {0, 0, 2}, {0, 1, 2}};
+
+TEST_F(Colorize, WrittenModelHasTheCorrectedPoses) {
+  Recorder recorder(scratch_ / "r", "map", record_);
+  recorder.addCloud(wall(5, 0.05), Eigen::Isometry3d::Identity());
+  const auto camera = recorder.setCamera("camera_0", intrinsics_);
+  const Eigen::Isometry3d error(Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitY()));  // 2 px
+  for (int i = 0; i < 5; ++i) {
+    const Eigen::Vector3d at(0, -1 + 0.5 * i, 2);
+    const Eigen::Isometry3d pose = cameraAt(at.x(), at.y(), at.z());
+    recorder.addView(camera, 10 * i, i == 2 ? pose * error : pose, imageOfWall(intrinsics_, at, 5, 1), "png");
+  }
+  const Recording recording = recorder.snapshot();
+  params_.colorize.method = Method::kDefault;
+  params_.alignment.pose_rotation_prior = 0.5;
+  colorize(recording, params_, {});
+  exportModel(recording, params_, scratch_ / "model");
+  const ColmapModel aligned = readColmapModel(scratch_ / "model");
+  params_.colorize.method = Method::kPaper;  // which does not align
+  exportModel(recording, params_, scratch_ / "model");
+  const ColmapModel recorded = readColmapModel(scratch_ / "model");
+  // Pixels, because a shift of the camera looks like a turn. Where the middle view sees the middle of the wall:
+  const auto pixel = [&](const Eigen::Isometry3d& map_from_camera) {
+    return Camera(intrinsics_).linearize(map_from_camera.inverse() * Eigen::Vector3d(5, 0, 2))->pixel;
+  };
+  const Eigen::Vector2d truth = pixel(cameraAt(0, 0, 2));
+  EXPECT_NEAR((pixel(recorded.images[2].map_from_camera) - truth).norm(), 2, 0.05);
+  EXPECT_LT((pixel(aligned.images[2].map_from_camera) - truth).norm(), 0.5);
+}
 
 TEST_F(Colorize, APointHasTheColourOfTheWall) {
   const Recording recording = record("r", {5}, 0.05, {{0, 0, 2}}, 5);

@@ -26,7 +26,12 @@ expect 0 'points coloured' colorize_bag "$tmp/drive/drive.bag" --config "$tmp/dr
   --output "$tmp/map.ply" tile_size=5
 read -r num_points num_colored _ < <(ply count "$tmp/map.ply")
 [ "$num_colored" -gt 1000 ] || problem "only $num_colored of $num_points points are coloured"
-expect 0 'saved' colorize "$recording" --output "$tmp/map.pcd"
+expect 0 'saved' colorize "$recording" --output "$tmp/map.pcd" --write-model "$tmp/model"
+for file in cameras.txt images.txt points3D.txt trajectory_camera_0.txt; do
+  [ -s "$tmp/model/$file" ] || problem "--write-model writes no $file"
+done
+expect 0 'saved' colorize_map --cloud "$tmp/map.pcd" --images "$recording/images" --model "$tmp/model" \
+  --output "$tmp/again.ply" method=mean
 head -c 200 "$tmp/map.pcd" | grep -aq 'FIELDS x y z .*rgb view_count color_stddev' || problem "map.pcd has other fields"
 expect 0 '' render_map "$tmp/map.ply" --output "$tmp/map.png" --size 320x200
 [ -s "$tmp/map.png" ] || problem "no picture is drawn"

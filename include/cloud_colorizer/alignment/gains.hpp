@@ -14,7 +14,7 @@ namespace cloud_colorizer::alignment {
 
 /// log gain x_v of every view: minimises sum rho(v_k (log v_k + x_v(k) - m_p(k))) over x and the points' m, with
 /// robust weights, so in grey levels. `values` [grey levels, > 0] and `weights` by observation; weight 0 has no vote.
-/// Gauge: the mean over all voting observations is 0. A view that shares no point keeps 0. Clamped to
+/// Gauge: the sum of the values of all voting observations stays. A view that shares no point keeps 0. Clamped to
 /// +-log(max_gain).
 Eigen::VectorXd estimateLogGains(const Tracks& tracks, const std::vector<float>& values,
                                  const std::vector<float>& weights, double max_gain, int num_threads);

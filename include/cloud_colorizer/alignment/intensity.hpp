@@ -32,11 +32,12 @@ struct IntensityTerm {
   std::vector<Eigen::Matrix<double, 6, 6>, Eigen::aligned_allocator<Eigen::Matrix<double, 6, 6>>>
       hessians;  ///< by view
   std::vector<Twist> gradients;
+  Eigen::MatrixXd group_gradients;  ///< rows as the gradients one below the other, a column a group; empty without
   double cost = 0;
   double explained = 0;  ///< share of the grey level's variance that the intensity explains, 0 to 1
 };
 
-IntensityTerm intensityTerm(const Tracks& tracks, const Samples& samples, const Eigen::VectorXf& ranks,
-                            int num_threads);
+IntensityTerm intensityTerm(const Tracks& tracks, const Samples& samples, const Eigen::VectorXf& ranks, int num_threads,
+                            const PointGroups& groups = {});
 
 }  // namespace cloud_colorizer::alignment

@@ -35,6 +35,11 @@ struct Tracks {
 std::vector<Sighting> findSightings(const AlignmentInput& input, std::size_t view,
                                     const Eigen::Isometry3d& map_from_camera, std::size_t max_points);
 
+/// A number for each point in [0, kPointGroups), the same within a block of the map: what is in different groups is
+/// independent. Empty: no groups.
+using PointGroups = std::vector<std::uint8_t>;
+constexpr int kPointGroups = 32;
+
 Tracks makeTracks(const std::vector<std::vector<Sighting>>& by_view, std::size_t num_points);
 
 }  // namespace cloud_colorizer::alignment
