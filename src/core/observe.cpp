@@ -29,7 +29,15 @@ class BestViews {
   BestViews(std::size_t num_points, int max_views)
       : max_views_(static_cast<std::uint32_t>(max_views)), points_(num_points) {}
 
-  void setChannels(int channels) { channels_ = static_cast<std::size_t>(channels); }
+  /// Room for all that can come: memory that is not touched costs nothing, and growing would copy it.
+  void reserve(std::size_t num_views, int channels) {
+    channels_ = static_cast<std::size_t>(channels);
+    const std::size_t most = std::min({num_views, std::size_t{max_views_}, std::size_t{32}});
+    const std::size_t blocks = (most + kBlock - 1) / kBlock;
+    next_.reserve(points_.size() * blocks);
+    sightings_.reserve(points_.size() * blocks * kBlock);
+    values_.reserve(points_.size() * blocks * kBlock * channels_);
+  }
 
   /// False when a point's sightings are all at depth edges, or there are none.
   bool seenClearly(std::size_t point) const { return points_[point].clear; }
@@ -351,7 +359,7 @@ ObserveResult observe(PointsRef points, const Surfels& surfels, std::size_t num_
     const ObservedView at = view(k);
     if (k == 0 && at.image) channels = at.image->channels();
     checkView(at, channels);
-    best.setChannels(channels);
+    if (k == 0) best.reserve(num_views, channels);
     Looker(at, depth_params, params).look(points, surfels, runs, best, result);
   }
   result.observations = best.finish();
