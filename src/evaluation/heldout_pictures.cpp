@@ -21,10 +21,11 @@ cv::Mat3b drawSeen(const SeenImage& seen, const Values& colors, const std::vecto
   std::vector<std::size_t> order(seen.points.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return seen.depths[a] > seen.depths[b]; });
+  const float widest = std::max(0.5F, 0.006F * static_cast<float>(background.cols));  // else lone points hide others
   cv::Mat3b picture = background.clone();
   for (const std::size_t k : order) {
     if (use[k] == 0) continue;
-    const float half = std::clamp(seen.pixel_radii[k], 0.5F, 8.F);
+    const float half = std::clamp(seen.pixel_radii[k], 0.5F, widest);
     const cv::Point low(cvRound(seen.pixels[k].x() - half), cvRound(seen.pixels[k].y() - half));
     const cv::Point high(cvRound(seen.pixels[k].x() + half), cvRound(seen.pixels[k].y() + half));
     const auto column = static_cast<Index>(k);

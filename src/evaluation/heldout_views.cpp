@@ -40,7 +40,8 @@ std::vector<std::size_t> heldoutViews(const std::vector<View>& views, int every)
 Recording withViews(const Recording& recording, const std::vector<std::size_t>& views, const std::string& directory) {
   const std::string& from = recording.directory();
   makeDirectory(directory);
-  for (const char* name : {"recording.yaml", "cameras.yaml", "images", "tiles", "scans.csv", "scans"}) link(from, directory, name);
+  for (const char* name : {"recording.yaml", "cameras.yaml", "images", "tiles", "scans.csv", "scans"})
+    link(from, directory, name);
   for (const RecordedCamera& camera : recording.cameras()) {
     link(from, directory, camera.mask.substr(0, camera.mask.find('/')));
   }
