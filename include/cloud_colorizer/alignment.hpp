@@ -59,8 +59,8 @@ struct AlignmentInput {
 
 struct ViewAlignment {
   Eigen::Isometry3d map_from_camera = Eigen::Isometry3d::Identity();  ///< corrected
-  Exposure exposure;                                                  ///< gain by channel of its image; empty where none was estimated
-  float weight = 1;                                                   ///< 0.1 to 1: sharpness against the other views
+  Exposure exposure;           ///< gain by channel of its image (empty where none was estimated), vignetting
+  float weight = 1;            ///< 0.1 to 1: sharpness against the other views
   bool refused = false;        ///< keeps the pose it came with (but for its camera's correction)
   std::string reason;          ///< why it was refused
   std::size_t num_points = 0;  ///< sample points shared with other views
@@ -76,6 +76,7 @@ struct CameraAlignment {
   double rotation = 0;                                                      ///< deg
   double translation = 0;                                                   ///< m
   double uncertainty = 0;                                                   ///< px, of the shared correction
+  Eigen::Array2f vignetting = Eigen::Array2f::Zero();                       ///< see Exposure::vignetting
   double views_uncertainty = 0;                                             ///< px, of its views' own corrections
   double time_offset = 0;            ///< s to add to the stamps for the best agreement
   double time_offset_stddev = 0;     ///< s; 0 when there is no motion to tell it from

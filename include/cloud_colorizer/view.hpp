@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -25,11 +26,19 @@ struct View {
 /// Image of a view: CV_8U, CV_16U or CV_32F with m channels; colour images are RGB (not BGR). Shared, never written to.
 using ImageSource = std::function<std::shared_ptr<const cv::Mat>(std::size_t view)>;
 
-/// What makes the values of one view comparable with the others': corrected = gain * value + offset, by channel.
-/// Empty arrays mean gain 1 and offset 0.
+/// What makes the values of one view comparable with the others': corrected = gain * brightening * value + offset, by
+/// channel. Empty arrays mean gain 1 and offset 0.
 struct Exposure {
   Eigen::ArrayXf gain;
   Eigen::ArrayXf offset;
+  Eigen::Array2f vignetting = Eigen::Array2f::Zero();  ///< a, b of the camera; zeros: none
+
+  /// exp(a r^2 + b r^4), r = 1 at the middle of the image's left and right ends: what undoes the darkening outwards.
+  float brightening(float u, float v, float width, float height) const {
+    if (vignetting[0] == 0 && vignetting[1] == 0) return 1;
+    const float x = (2 * u + 1) / width - 1, y = ((2 * v + 1) - height) / width, r2 = x * x + y * y;
+    return std::exp(vignetting[0] * r2 + vignetting[1] * r2 * r2);
+  }
 };
 
 }  // namespace cloud_colorizer

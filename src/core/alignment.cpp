@@ -373,7 +373,10 @@ AlignmentResult Aligner::run() {
   const auto exposures = estimateExposures(input_, tracks_, state_, sigma, params_.max_gain);
   const std::vector<float> weights = sharpnessWeights(input_, tracks_, state_, exposures);
   for (std::size_t v = 0; v < weights.size(); ++v) {
-    if (params_.align_exposure) result_.views[v].exposure = exposures[v];
+    if (params_.align_exposure) {
+      result_.views[v].exposure = exposures[v];
+      result_.cameras[input_.views[v].camera].vignetting = exposures[v].vignetting;
+    }
     result_.views[v].weight = weights[v];
   }
   result_.exposure_aligned = params_.align_exposure;

@@ -6,6 +6,7 @@
 #include "cloud_colorizer/alignment/exposure.hpp"
 #include "cloud_colorizer/alignment/gains.hpp"
 #include "cloud_colorizer/alignment/significance.hpp"
+#include "cloud_colorizer/alignment/vignetting.hpp"
 #include "cloud_colorizer/parallel.hpp"
 
 namespace cloud_colorizer::alignment {
@@ -63,6 +64,20 @@ Channels sampleChannels(const AlignmentInput& input, const Tracks& tracks, const
   return result;
 }
 
+// Undoes what the cameras' lenses darken, in all channels.
+void brighten(const AlignmentInput& input, const Tracks& tracks, const PoseState& state,
+              const std::vector<Exposure>& exposures, std::vector<Channel>& channels) {
+  parallelFor(input.num_threads, tracks.numViews(), [&](std::size_t v) {
+    const Intrinsics& intrinsics = input.cameras[input.views[v].camera].intrinsics();
+    const auto width = static_cast<float>(intrinsics.width), height = static_cast<float>(intrinsics.height);
+    forEachSighting(input, tracks, state, v, 0, [&](auto k, const auto&, const Eigen::Vector2d& pixel) {
+      const Eigen::Vector2f at = pixel.cast<float>();
+      const float factor = exposures[v].brightening(at.x(), at.y(), width, height);
+      for (Channel& channel : channels) channel.values[k] *= factor;
+    });
+  });
+}
+
 // Views that differ by no more than what the images get wrong together are equally bright; one that does is no
 // reason to move the others, nor they to keep it.
 void shrinkGains(Eigen::VectorXd& log_gains) {
@@ -79,7 +94,11 @@ std::vector<Exposure> estimateExposures(const AlignmentInput& input, const Track
                                         double sigma, double max_gain) {
   std::vector<Exposure> exposures(tracks.numViews());
   for (Exposure& exposure : exposures) exposure.gain = Eigen::ArrayXf::Ones(3);
-  const Channels sampled = sampleChannels(input, tracks, state, sigma);
+  Channels sampled = sampleChannels(input, tracks, state, sigma);
+  const Channel& green = sampled.channels[1];
+  const auto vignetting = estimateVignetting(input, tracks, state, green.values, green.weights);
+  for (std::size_t v = 0; v < exposures.size(); ++v) exposures[v].vignetting = vignetting[input.views[v].camera];
+  brighten(input, tracks, state, exposures, sampled.channels);
   for (Eigen::Index c = 0; c < 3; ++c) {
     const Channel& channel = sampled.channels[static_cast<std::size_t>(c)];
     Eigen::VectorXd gains = estimateLogGains(tracks, channel.values, channel.weights, max_gain, input.num_threads);

@@ -104,6 +104,12 @@ std::string describe(const AlignmentResult& result) {
            << camera.time_offset_stddev << ")";
     }
   }
+  for (std::size_t c = 0; c < result.cameras.size(); ++c) {
+    const Eigen::Array2f& vignetting = result.cameras[c].vignetting;
+    if ((vignetting == 0).all()) continue;
+    text << "\ncamera_" << c << ": its images darken outwards, to " << std::setprecision(2)
+         << std::exp(-vignetting.sum()) << " of their brightness at the left and right ends; undone.";
+  }
   for (const std::string& warning : result.warnings) text << "\nWarning: " << warning;
   return text.str();
 }

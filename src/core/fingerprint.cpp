@@ -71,8 +71,9 @@ std::string alignmentKey(const Recording& recording, const Params& params) {
   const AlignmentParams defaults;
   std::set<std::string> names;
   visitAlignmentParams(defaults, [&](const char* name, const auto&, const char*) { names.insert(name); });
-  return surfelsKey(recording, params) + depthKey(recording, params) + imagesKey(recording) +
-         paramsText(params, names, false);
+  constexpr std::uint64_t kFormat = 2;  // of views.bin
+  return line("alignment", kFormat) + surfelsKey(recording, params) + depthKey(recording, params) +
+         imagesKey(recording) + paramsText(params, names, false);
 }
 
 std::string depthKey(const Recording& recording, const Params& params) {
@@ -109,6 +110,7 @@ std::string exposuresKey(const std::vector<CorrectedView>& views) {
   for (const auto& view : views) {
     hash.add(view.exposure.gain.data(), static_cast<std::size_t>(view.exposure.gain.size()));
     hash.add(view.exposure.offset.data(), static_cast<std::size_t>(view.exposure.offset.size()));
+    hash.add(view.exposure.vignetting.data(), 2);
     hash.addValue(view.weight);
   }
   return line("exposures", hash.value());

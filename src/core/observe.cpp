@@ -302,11 +302,15 @@ class Looker {
       return false;
     }
     sampler_(*view_.image, pixel.x(), pixel.y(), values_.data());
+    const auto& size = camera_.intrinsics();
+    const float brightening = view_.exposure.brightening(pixel.x(), pixel.y(), static_cast<float>(size.width),
+                                                         static_cast<float>(size.height));
     bool finite = true;
     saturated_ = false;
     for (std::size_t c = 0; c < values_.size(); ++c) {
       saturated_ = saturated_ || values_[c] >= saturation_;
       const auto channel = static_cast<Eigen::Index>(c);
+      values_[c] *= brightening;
       if (view_.exposure.gain.size() > 0) values_[c] *= view_.exposure.gain[channel];
       if (view_.exposure.offset.size() > 0) values_[c] += view_.exposure.offset[channel];
       finite = finite && std::isfinite(values_[c]);

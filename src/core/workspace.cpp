@@ -288,6 +288,7 @@ void Workspace::correctViews(std::vector<CorrectedView> corrections) {
     blob.add(sizes, 2);
     blob.add(view.exposure.gain.data(), static_cast<std::size_t>(sizes[0]));
     blob.add(view.exposure.offset.data(), static_cast<std::size_t>(sizes[1]));
+    blob.add(view.exposure.vignetting.data(), 2);
   }
   blob.save(recording_.directory() + "/alignment/views.bin");
 }
@@ -307,6 +308,7 @@ bool Workspace::restoreCorrections() {
     view.exposure.offset.resize(sizes[1]);
     blob.read(view.exposure.gain.data(), static_cast<std::size_t>(sizes[0]));
     blob.read(view.exposure.offset.data(), static_cast<std::size_t>(sizes[1]));
+    blob.read(view.exposure.vignetting.data(), 2);
   }
   return true;
 }

@@ -252,6 +252,30 @@ TEST(Alignment, OneViewOrNoOverlapDoesNothingAndSaysSo) {
   EXPECT_NE(describe(result).find("nothing was changed"), std::string::npos);
 }
 
+TEST(Alignment, VignettingIsRecoveredAndOthersAreLeftAlone) {
+  ReliefViews scene(8);
+  scene.gains = {0.9, 1.1, 1.0, 0.95, 1.05, 1.0, 0.9, 1.1};
+  scene.render(1);
+  const AlignmentResult without = align(scene.input(), looseParams(), {});
+  EXPECT_TRUE((without.views[0].exposure.vignetting == 0).all());
+  EXPECT_EQ(describe(without).find("darken"), std::string::npos);
+  scene.relief.darkening = 0.25;
+  scene.render(1);
+  const AlignmentResult result = align(scene.input(), looseParams(), {});
+  const Exposure& exposure = result.views[3].exposure;
+  const auto width = static_cast<float>(scene.relief.width), height = static_cast<float>(scene.relief.height);
+  const auto undone = [&](float u) {
+    const float x = 2 * u / width - (width - 1) / width;
+    return exposure.brightening(u, (height - 1) / 2, width, height) * (1 - 0.25F * x * x);
+  };
+  for (const float u : {10.0F, 40.0F, 79.5F, 120.0F, 150.0F}) EXPECT_NEAR(undone(u) / undone(79.5F), 1, 0.02) << u;
+  for (std::size_t v = 0; v < scene.gains.size(); ++v) {
+    const float product = result.views[v].exposure.gain[1] * static_cast<float>(scene.gains[v]);
+    EXPECT_NEAR(product / (result.views[0].exposure.gain[1] * 0.9F), 1, 0.01) << v;
+  }
+  EXPECT_NE(describe(result).find("darken"), std::string::npos);
+}
+
 TEST(Alignment, GreyImagesHaveOneGain) {
   ReliefViews scene(4);
   scene.gains = {0.8, 1.2, 0.9, 1.1};

@@ -18,6 +18,7 @@ struct Relief {
   int width = 160, height = 120;
   double focal = 150;
   double contrast = 50;  ///< grey levels of the texture
+  double darkening = 0;  ///< share of the brightness lost at the left and right ends, by the square of the radius
 
   Intrinsics intrinsics() const {
     Intrinsics k;
@@ -63,7 +64,8 @@ struct Relief {
     for (int v = 0; v < height; ++v) {
       for (int u = 0; u < width; ++u) {
         const Eigen::Vector3d point = hit(map_from_camera, bearing(u, v));
-        const Eigen::Vector3d color = gain * colorAt(point.x(), point.y());
+        const double x = (u - (width - 1) / 2.0) / (width / 2.0), y = (v - (height - 1) / 2.0) / (width / 2.0);
+        const Eigen::Vector3d color = gain * (1 - darkening * (x * x + y * y)) * colorAt(point.x(), point.y());
         for (int c = 0; c < 3; ++c) image(v, u)[c] = cv::saturate_cast<std::uint8_t>(color[c] + noise * normal(random));
       }
     }

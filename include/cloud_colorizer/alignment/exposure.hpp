@@ -11,7 +11,8 @@
 
 namespace cloud_colorizer::alignment {
 
-/// Gain by view and channel; where poses are uncertain, `sigma` [px] should blur the uncertainty away.
+/// Gain by view and channel, and the vignetting of its camera where the data ask for it; where poses are uncertain,
+/// `sigma` [px] should blur the uncertainty away.
 std::vector<Exposure> estimateExposures(const AlignmentInput& input, const Tracks& tracks, const PoseState& state,
                                         double sigma, double max_gain);
 
