@@ -59,8 +59,6 @@ Table makeIsolated(const Mesh& mesh, const TablesParams& params, const Callbacks
       if (callbacks.cancelled && callbacks.cancelled()) throw Cancelled();
       if (graph != "4-pass" && !hasNearestNeighbors()) continue;
       const std::string sampling = ratio == 0 ? "uniform" : "scan lines 1 : " + formatNumber(ratio, 0);
-      // In a process of its own, as all graphs without an order: their solver leaves OpenMP threads behind, and a
-      // process that is forked after that would wait for them for ever.
       const LimitedRun run = runLimited(
           [&] {
             Table row{table.header, {}};

@@ -13,6 +13,7 @@
 #include <ctime>
 #include <fstream>
 #include <new>
+#include <thread>
 
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/stop_watch.hpp"
@@ -40,17 +41,25 @@ void writeAll(int file, const std::string& bytes) {
   }
 }
 
-[[noreturn]] void runChild(const std::function<std::string()>& body, const Limits& limits, int file) {
-  int code = 0;
+/// Exit code of the child.
+int writeResult(const std::function<std::string()>& body, const Limits& limits, int file) {
   try {
     limitMemory(limits.megabytes);
     writeAll(file, body());
+    return 0;
   } catch (const std::bad_alloc&) {
-    code = kMemoryExit;
+    return kMemoryExit;
   } catch (const std::exception& error) {
     writeAll(file, error.what());
-    code = kErrorExit;
+    return kErrorExit;
   }
+}
+
+/// In a thread of its own: OpenMP (in CHOLMOD) keeps a pool of threads for every thread that used it, and the forked
+/// main thread would wait for ever for the pool that it had in the parent.
+[[noreturn]] void runChild(const std::function<std::string()>& body, const Limits& limits, int file) {
+  int code = kErrorExit;
+  std::thread([&] { code = writeResult(body, limits, file); }).join();
   close(file);
   _exit(code);
 }

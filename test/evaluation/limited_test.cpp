@@ -8,6 +8,10 @@
 #include <stdexcept>
 #include <vector>
 
+#include "cloud_colorizer/evaluation/methods.hpp"
+#include "cloud_colorizer/evaluation/neighbors.hpp"
+#include "cloud_colorizer/evaluation/table.hpp"
+
 namespace cloud_colorizer {
 namespace {
 
@@ -23,6 +27,28 @@ TEST(LimitedRun, BytesAndPeakMemoryComeBack) {
   EXPECT_EQ(run.bytes, std::string(200000, 'x'));
   EXPECT_GT(run.peak_megabytes, 100);
   EXPECT_LT(run.peak_megabytes, 1000);
+}
+
+TEST(LimitedRun, SolvesEvenWhereTheCallerSolvedBefore) {
+  if (!hasNearestNeighbors()) GTEST_SKIP() << "built without nanoflann";
+  // Dense enough for supernodes, whose code leaves threads of OpenMP behind that a fork does not copy.
+  std::srand(3);
+  const Points points = Points::Random(3, 4000);
+  Observations observations;
+  for (std::uint32_t p = 0; p <= 4000; ++p) observations.offsets.push_back(p);
+  observations.views.assign(4000, 0);
+  observations.distances.assign(4000, 1);
+  observations.weights.assign(4000, 1);
+  observations.values = Values::Constant(3, 4000, 120);
+  const auto solve = [&] {
+    const GraphSolution solution =
+        solveOnGraph("20-NN", points, observations, fuseMean(observations), SystemParams{}, Unanchored::kAnchored);
+    return formatNumber(solution.values.mean(), 1);
+  };
+  EXPECT_EQ(solve(), "120.0");
+  const LimitedRun run = runLimited(solve, {2, 4000});
+  EXPECT_EQ(run.status, "ok");
+  EXPECT_EQ(run.bytes, "120.0");
 }
 
 TEST(LimitedRun, TimeAndMemoryLimitsAndErrorsAreTold) {
