@@ -1,1 +1,0 @@
-rosrun cloud_colorizer colorize_map --cloud cloud.ply --images images --model sparse --output colored.ply
