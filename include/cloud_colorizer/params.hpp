@@ -60,6 +60,7 @@ std::vector<std::string> enumNames(AlignPoses);
 template <class AlignmentParamsT, class F>
 void visitAlignmentParams(AlignmentParamsT& p, F&& f) {
   f("align_exposure", p.align_exposure, "estimate a gain for every view and channel (method default)");
+  f("align_vignetting", p.align_vignetting, "and a darkening outwards for every camera, where the data ask for it");
   f("align_poses", p.align_poses, "none, cameras (their extrinsics) or views (each pose as well)");
   f("align_time_offset", p.align_time_offset, "apply the cameras' estimated time offsets, not only report them");
   f("align_to_intensity", p.align_to_intensity, "tie the images to the LiDAR intensity where the cloud has it");

@@ -370,7 +370,7 @@ AlignmentResult Aligner::run() {
   }
   look(false);
   const double sigma = result_.poses_aligned ? 1.2 : startBlur();
-  const auto exposures = estimateExposures(input_, tracks_, state_, sigma, params_.max_gain);
+  const auto exposures = estimateExposures(input_, tracks_, state_, sigma, params_);
   const std::vector<float> weights = sharpnessWeights(input_, tracks_, state_, exposures);
   for (std::size_t v = 0; v < weights.size(); ++v) {
     if (params_.align_exposure) {

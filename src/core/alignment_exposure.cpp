@@ -91,17 +91,20 @@ void shrinkGains(Eigen::VectorXd& log_gains) {
 }  // namespace
 
 std::vector<Exposure> estimateExposures(const AlignmentInput& input, const Tracks& tracks, const PoseState& state,
-                                        double sigma, double max_gain) {
+                                        double sigma, const AlignmentParams& params) {
   std::vector<Exposure> exposures(tracks.numViews());
   for (Exposure& exposure : exposures) exposure.gain = Eigen::ArrayXf::Ones(3);
   Channels sampled = sampleChannels(input, tracks, state, sigma);
-  const Channel& green = sampled.channels[1];
-  const auto vignetting = estimateVignetting(input, tracks, state, green.values, green.weights);
-  for (std::size_t v = 0; v < exposures.size(); ++v) exposures[v].vignetting = vignetting[input.views[v].camera];
-  brighten(input, tracks, state, exposures, sampled.channels);
+  if (params.align_vignetting) {
+    const Channel& green = sampled.channels[1];
+    const auto vignetting = estimateVignetting(input, tracks, state, green.values, green.weights);
+    for (std::size_t v = 0; v < exposures.size(); ++v) exposures[v].vignetting = vignetting[input.views[v].camera];
+    brighten(input, tracks, state, exposures, sampled.channels);
+  }
   for (Eigen::Index c = 0; c < 3; ++c) {
     const Channel& channel = sampled.channels[static_cast<std::size_t>(c)];
-    Eigen::VectorXd gains = estimateLogGains(tracks, channel.values, channel.weights, max_gain, input.num_threads);
+    Eigen::VectorXd gains =
+        estimateLogGains(tracks, channel.values, channel.weights, params.max_gain, input.num_threads);
     shrinkGains(gains);
     for (std::size_t v = 0; v < exposures.size(); ++v) {
       exposures[v].gain[c] = static_cast<float>(std::exp(gains[static_cast<Eigen::Index>(v)]));

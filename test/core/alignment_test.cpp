@@ -256,12 +256,16 @@ TEST(Alignment, VignettingIsRecoveredAndOthersAreLeftAlone) {
   ReliefViews scene(8);
   scene.gains = {0.9, 1.1, 1.0, 0.95, 1.05, 1.0, 0.9, 1.1};
   scene.render(1);
-  const AlignmentResult without = align(scene.input(), looseParams(), {});
+  AlignmentParams params = looseParams();
+  params.align_vignetting = true;
+  const AlignmentResult without = align(scene.input(), params, {});
   EXPECT_TRUE((without.views[0].exposure.vignetting == 0).all());
   EXPECT_EQ(describe(without).find("darken"), std::string::npos);
   scene.relief.darkening = 0.25;
   scene.render(1);
-  const AlignmentResult result = align(scene.input(), looseParams(), {});
+  const AlignmentResult unwanted = align(scene.input(), looseParams(), {});
+  EXPECT_TRUE((unwanted.views[0].exposure.vignetting == 0).all());
+  const AlignmentResult result = align(scene.input(), params, {});
   const Exposure& exposure = result.views[3].exposure;
   const auto width = static_cast<float>(scene.relief.width), height = static_cast<float>(scene.relief.height);
   const auto undone = [&](float u) {

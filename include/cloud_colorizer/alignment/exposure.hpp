@@ -11,10 +11,10 @@
 
 namespace cloud_colorizer::alignment {
 
-/// Gain by view and channel, and the vignetting of its camera where the data ask for it; where poses are uncertain,
-/// `sigma` [px] should blur the uncertainty away.
+/// Gain by view and channel, and, if wanted, the vignetting of its camera where the data ask for it; where poses are
+/// uncertain, `sigma` [px] should blur the uncertainty away.
 std::vector<Exposure> estimateExposures(const AlignmentInput& input, const Tracks& tracks, const PoseState& state,
-                                        double sigma, double max_gain);
+                                        double sigma, const AlignmentParams& params);
 
 /// Relative sharpness of every view, 0.1 to 1: how strong its gradients are (per metre on the surface) beside those
 /// of other views of the same points, after the gains; 1 for the median view and better ones, its square as a weight.
