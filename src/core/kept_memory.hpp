@@ -12,13 +12,12 @@ namespace cloud_colorizer {
 class KeptMemory {
  public:
 #ifdef __GLIBC__
+  /// Arrays beyond 32 MB still go back at once: kept ones would add up to twice what is in use.
   KeptMemory() {
-    set(1 << 30, 2000 << 20, 64 << 20);
-    mallopt(M_ARENA_MAX, 1);  // the heaps of other arenas hold 64 MB at most
+    set(32 << 20, 256 << 20, 64 << 20);
   }
   ~KeptMemory() {
     set(128 << 10, 128 << 10, 128 << 10);  // as it is by default
-    mallopt(M_ARENA_MAX, 0);
     malloc_trim(0);
   }
 #else
