@@ -6,13 +6,10 @@
 #include <ros/time.h>
 
 #include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/colorize.hpp"
-#include "cloud_colorizer/export_model.hpp"
-#include "cloud_colorizer/io.hpp"
 #include "cloud_colorizer/recording.hpp"
 #include "cloud_colorizer/ros/bag_source.hpp"
 #include "cloud_colorizer/ros/params.hpp"
-#include "command_line.hpp"
+#include "color_and_save.hpp"
 #include "recording_folder.hpp"
 
 namespace cloud_colorizer {
@@ -68,17 +65,10 @@ void record(const CommandLine& line, const std::string& directory, const Callbac
 }
 
 void run(const CommandLine& line, const Callbacks& callbacks) {
-  const std::string output = line.option("output");
-  CloudWriter::checkPath(output);
-  prepareModelFolder(line);
-  const RecordingFolder scratch(line.option("recording"), output);
+  checkOutputs(line);
+  const RecordingFolder scratch(line.option("recording"), line.option("output"));
   record(line, scratch.path(), callbacks);
-  const Recording recording = Recording::open(scratch.path());
-  const ColorizeSummary summary = colorize(recording, line.params, callbacks);
-  callbacks.log(LogLevel::kInfo, summary.describe());
-  saveColored(recording, line.params, output, callbacks);
-  callbacks.log(LogLevel::kInfo, "saved " + output);
-  if (line.has("write-model")) exportModel(recording, line.params, line.option("write-model"));
+  colorAndSave(Recording::open(scratch.path()), line, callbacks);
 }
 
 }  // namespace

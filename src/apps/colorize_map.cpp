@@ -5,11 +5,8 @@
 #include <filesystem>
 
 #include "cloud_colorizer/colmap.hpp"
-#include "cloud_colorizer/colorize.hpp"
-#include "cloud_colorizer/export_model.hpp"
 #include "cloud_colorizer/import_model.hpp"
-#include "cloud_colorizer/io.hpp"
-#include "command_line.hpp"
+#include "color_and_save.hpp"
 #include "recording_folder.hpp"
 
 namespace {
@@ -38,22 +35,17 @@ int main(int argc, char** argv) {
   spec.defaults.record.voxel_size = 0;
   spec.defaults.depth.max_view_distance = 1e6;
   return runMain(argc, argv, spec, [](const CommandLine& line, const Callbacks& callbacks) {
-    const std::string output = line.option("output");
-    CloudWriter::checkPath(output);
-    prepareModelFolder(line);
+    checkOutputs(line);
     std::error_code ignored;
-    if (line.has("write-model") &&
-        std::filesystem::equivalent(line.option("write-model"), line.option("model"), ignored)) {
+    const bool writes_model = line.has(kWriteModelOption.name);
+    if (writes_model &&
+        std::filesystem::equivalent(line.option(kWriteModelOption.name), line.option("model"), ignored)) {
       throw UsageError("--write-model would replace the --model that is read; give it another folder");
     }
-    const RecordingFolder scratch(line.option("recording"), output);
+    const RecordingFolder scratch(line.option("recording"), line.option("output"));
     const Recording recording = importModel({line.option("cloud"), line.option("images"), line.option("model")},
                                             scratch.path(), line.params.record, callbacks);
-    const ColorizeSummary summary = colorize(recording, line.params, callbacks);
-    callbacks.log(LogLevel::kInfo, summary.describe());
-    saveColored(recording, line.params, output, callbacks);
-    callbacks.log(LogLevel::kInfo, "saved " + output);
-    if (line.has("write-model"))
-      exportModel(recording, line.params, line.option("write-model"), imageNames(line.option("model")));
+    const auto names = writes_model ? imageNames(line.option("model")) : std::vector<std::string>{};
+    colorAndSave(recording, line, callbacks, names);
   });
 }

@@ -10,7 +10,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -209,18 +208,6 @@ std::string CommandLine::option(const std::string& name, const std::string& othe
 
 CommandLine parseCommandLine(int argc, const char* const* argv, const CommandSpec& spec) {
   return Parser(argc, argv, spec).parse();
-}
-
-const OptionSpec kWriteModelOption = {"write-model", "DIR",
-                                      "the corrected poses: COLMAP's text model, and a TUM trajectory a camera", false};
-
-void prepareModelFolder(const CommandLine& line) {
-  if (!line.has(kWriteModelOption.name)) return;
-  const std::string directory = line.option(kWriteModelOption.name);
-  std::error_code error;
-  std::filesystem::create_directories(directory, error);
-  require(!error && std::filesystem::is_directory(directory), "cannot create the folder ", directory, " of --",
-          kWriteModelOption.name, ": ", error ? error.message() : "it is a file");
 }
 
 std::string helpText(const CommandSpec& spec) {

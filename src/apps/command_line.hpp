@@ -62,11 +62,6 @@ struct UsageError : std::invalid_argument {
 /// that Params refuses. An argument is a parameter where it reads `name=`, so a file like that is given as `./a=b`.
 CommandLine parseCommandLine(int argc, const char* const* argv, const CommandSpec& spec);
 
-/// Option --write-model DIR of the programs that colour. prepareModelFolder() makes the folder before the work, so that
-/// a path that cannot be written is told then and not after it.
-extern const OptionSpec kWriteModelOption;
-void prepareModelFolder(const CommandLine& line);
-
 /// Usage, options, parameters with defaults, exit codes.
 std::string helpText(const CommandSpec& spec);
 

@@ -80,10 +80,7 @@ Sample samplePoints(Workspace& work) {
   std::vector<float> intensity;
   for (std::size_t tile = 0; tile < recording.tiles().size(); ++tile) {
     const auto surface = work.surface(tile);
-    std::vector<Index> columns;
-    for (Index i = 0; i < surface->size(); ++i) {
-      if (unitHash(surface->points.col(i)) < share) columns.push_back(i);
-    }
+    const std::vector<Index> columns = hashedSample(surface->points, share);
     if (columns.empty()) continue;
     taken.push_back(gatherSurface(*surface, columns));
     if (!field.found) continue;

@@ -68,7 +68,7 @@ class ColoredTiles {
  public:
   ColoredTiles(const Recording& recording, const Params& params)
       : lock_(recording.directory(), false), work_(recording, params) {
-    if (params.colorize.method == Method::kDefault) work_.restoreCorrections();
+    work_.restoreCorrections();
     work_.requireColors();
   }
 

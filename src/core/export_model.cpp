@@ -17,7 +17,7 @@ constexpr int kStampDecimals = 9;
 std::vector<Eigen::Isometry3d> usedPoses(const Recording& recording, const Params& params) {
   const FolderLock lock(recording.directory(), false);
   Workspace work(recording, params);
-  if (params.colorize.method == Method::kDefault) work.restoreCorrections();
+  work.restoreCorrections();
   std::vector<Eigen::Isometry3d> poses;
   for (std::size_t v = 0; v < recording.views().size(); ++v) {
     poses.push_back(work.corrected(v).map_from_camera);

@@ -7,6 +7,9 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <cstring>
+#include <vector>
+
+#include "cloud_colorizer/types.hpp"
 
 namespace cloud_colorizer {
 
@@ -23,6 +26,15 @@ inline double unitHash(const Eigen::Vector3f& point) {
     hash ^= hash >> 31U;
   }
   return static_cast<double>(hash >> 11U) * 0x1p-53;
+}
+
+/// About a share of the points, the same ones whatever other points are there: indices of columns.
+inline std::vector<Eigen::Index> hashedSample(PointsRef points, double share) {
+  std::vector<Eigen::Index> columns;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    if (unitHash(points.col(i)) < share) columns.push_back(i);
+  }
+  return columns;
 }
 
 }  // namespace cloud_colorizer

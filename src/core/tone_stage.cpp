@@ -35,11 +35,7 @@ double cellSize(const Workspace& work) {
 ToneCells sampleTile(Workspace& work, std::size_t tile, const std::vector<double>& log_gains, double cell) {
   const auto whole = work.surface(tile);
   const double share = kSamplesPerTile / static_cast<double>(whole->size());
-  std::vector<Index> columns;
-  for (Index i = 0; i < whole->size(); ++i) {
-    if (unitHash(whole->points.col(i)) < share) columns.push_back(i);
-  }
-  const Surface sample = gatherSurface(*whole, columns);
+  const Surface sample = gatherSurface(*whole, hashedSample(whole->points, share));
   const std::vector<std::size_t> views = work.viewsOf(tileBox(work.recording(), tile));
   const auto viewAt = [&](std::size_t k) { return work.observedView(views[k]); };
   const Observations seen =

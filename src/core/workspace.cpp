@@ -294,6 +294,7 @@ void Workspace::correctViews(std::vector<CorrectedView> corrections) {
 }
 
 bool Workspace::restoreCorrections() {
+  if (params_.colorize.method != Method::kDefault) return false;
   const std::string path = recording_.directory() + "/alignment/views.bin";
   if (!fs::exists(path)) return false;
   BlobReader blob(path);

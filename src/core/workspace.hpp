@@ -76,7 +76,8 @@ class Workspace {
 
   /// Poses and exposures to use instead of the recording's, one a view; kept in a file.
   void correctViews(std::vector<CorrectedView> corrections);
-  /// Takes them from the file of an earlier run with the same recording and parameters; false where there is none.
+  /// Takes them from the file of an earlier run with the same recording and parameters; false where there is none, or
+  /// the method does not align.
   bool restoreCorrections();
   const CorrectedView& corrected(std::size_t view) const { return corrections_[view]; }
 

@@ -11,6 +11,7 @@
 #include "cloud_colorizer/evaluation/methods.hpp"
 #include "cloud_colorizer/evaluation/neighbors.hpp"
 #include "cloud_colorizer/evaluation/table.hpp"
+#include "evaluation/one_view.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -34,12 +35,7 @@ TEST(LimitedRun, SolvesEvenWhereTheCallerSolvedBefore) {
   // Dense enough for supernodes, whose code leaves threads of OpenMP behind that a fork does not copy.
   std::srand(3);
   const Points points = Points::Random(3, 4000);
-  Observations observations;
-  for (std::uint32_t p = 0; p <= 4000; ++p) observations.offsets.push_back(p);
-  observations.views.assign(4000, 0);
-  observations.distances.assign(4000, 1);
-  observations.weights.assign(4000, 1);
-  observations.values = Values::Constant(3, 4000, 120);
+  const Observations observations = seenByOneView(4000);
   const auto solve = [&] {
     const GraphSolution solution =
         solveOnGraph("20-NN", points, observations, fuseMean(observations), SystemParams{}, Unanchored::kAnchored);

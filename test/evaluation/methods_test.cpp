@@ -8,6 +8,7 @@
 
 #include "cloud_colorizer/evaluation/neighbors.hpp"
 #include "cloud_colorizer/evaluation/tables.hpp"
+#include "evaluation/one_view.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -56,12 +57,7 @@ TEST(Methods, PartWithoutAnchorIsWrongAsPlainAndRightWithOurRule) {
   // Two clusters of four points far apart: 2-NN does not link them, and no random anchor falls on either.
   Points points(3, 8);
   points << 0, .1F, 0, .1F, 9, 9.1F, 9, 9.1F, 0, 0, .1F, .1F, 0, 0, .1F, .1F, 0, 0, 0, 0, 0, 0, 0, 0;
-  Observations observations;
-  for (std::uint32_t p = 0; p <= 8; ++p) observations.offsets.push_back(p);
-  observations.views.assign(8, 0);
-  observations.distances.assign(8, 1);
-  observations.weights.assign(8, 1);
-  observations.values = Values::Constant(3, 8, 120);
+  const Observations observations = seenByOneView(8);
   SystemParams params;
   params.min_data_weight = 0;
   params.anchor_share = 1e-9;

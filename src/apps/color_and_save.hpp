@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What the programs that colour a recording share: --output and --write-model.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cloud_colorizer/recording.hpp"
+#include "command_line.hpp"
+
+namespace cloud_colorizer {
+
+/// Option --write-model DIR.
+extern const OptionSpec kWriteModelOption;
+
+/// Before the work, so that a path that cannot be written is told then and not after it. Makes the model's folder.
+void checkOutputs(const CommandLine& line);
+
+/// Colours the recording and writes what the options ask for. `image_names`: see exportModel().
+void colorAndSave(const Recording& recording, const CommandLine& line, const Callbacks& callbacks,
+                  const std::vector<std::string>& image_names = {});
+
+}  // namespace cloud_colorizer
