@@ -13,10 +13,12 @@
 namespace cloud_colorizer {
 
 struct ChunkParams {
-  int max_chunk_points = 200000;  ///< a chunk's core is split until it has no more points (or is one tile)
+  int max_chunk_points = 200000;  ///< a chunk is split until its core has no more points (or is one tile)
   double overlap = 0.1;           ///< halo on every side, as a share of the chunk's side (omega of the paper)
 
   void check() const;
+  /// What a full core has with its halo where points lie on one flat surface; a chunk is split until it has no more.
+  double maxPointsWithHalo() const;
 };
 
 struct Chunk {
@@ -26,6 +28,7 @@ struct Chunk {
   std::vector<std::size_t> halo_tiles;  ///< further tiles that the halo touches, ascending
   Eigen::AlignedBox3f box_with_halo;    ///< m, relative to the origin
   std::size_t num_core_points = 0;
+  double num_points_with_halo = 0;  ///< as if the points of a tile were spread evenly
 };
 
 /// A cubic grid that is finer where there are more points (octree over tiles). Every tile is in exactly one core.

@@ -20,7 +20,6 @@ struct PointColors {
 
 /// Colours by params.colorize.method. Points that no view sees take no part in the graph.
 /// `paper` is the formulation as published: plain means, all views alike, no weight on points that are no anchors.
-PointColors colorPoints(PointsRef points, const Observations& observations, const ZOrderGrid& grid,
-                        const Params& params);
+PointColors colorPoints(PointsRef points, Observations observations, const ZOrderGrid& grid, const Params& params);
 
 }  // namespace cloud_colorizer

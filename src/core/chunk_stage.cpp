@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cloud_colorizer/chunks.hpp"
 #include "cloud_colorizer/parallel.hpp"
 #include "cloud_colorizer/point_colors.hpp"
+#include "memory_budget.hpp"
 #include "progress.hpp"
 #include "stages.hpp"
 
@@ -14,7 +16,7 @@ namespace {
 
 using Eigen::Index;
 
-/// Bytes that a point of a chunk takes while it is coloured; measured, rounded up.
+/// Bytes that a point of a chunk takes at most while it is coloured, seen from 20 views; measured, rounded up.
 constexpr double kBytesPerPoint = 1400;
 /// Share of memory_limit for chunks; the rest is for the caches of the workspace.
 constexpr double kChunkShare = 0.55;
@@ -85,9 +87,8 @@ void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid, con
   const std::vector<std::size_t> views = work.viewsOf(chunk.box_with_halo);
   const auto viewAt = [&](std::size_t k) { return work.observedView(views[k]); };
   const Params& params = work.params();
-  const ObserveResult seen =
-      observe(surface.points, surface.surfels, views.size(), viewAt, params.depth, params.observe);
-  PointColors colors = colorPoints(surface.points, seen.observations, grid, params);
+  ObserveResult seen = observe(surface.points, surface.surfels, views.size(), viewAt, params.depth, params.observe);
+  PointColors colors = colorPoints(surface.points, std::move(seen.observations), grid, params);
   // Without a view nothing tells the number of channels.
   if (views.empty()) colors.values = Values::Zero(3, surface.size());
   writeCore(work, chunk, order, tone, surface.points, colors, seen.unseen);
@@ -101,20 +102,18 @@ void colorChunks(Workspace& work, const ToneField& tone, const Callbacks& callba
   std::vector<Chunk> chunks = planChunks(recording.tiles(), recording.tileSize(), params.chunks);
   // Large ones first, so that no thread is left with one at the end.
   std::stable_sort(chunks.begin(), chunks.end(),
-                   [](const Chunk& a, const Chunk& b) { return a.num_core_points > b.num_core_points; });
+                   [](const Chunk& a, const Chunk& b) { return a.num_points_with_halo > b.num_points_with_halo; });
   const ZOrderGrid grid = globalGrid(recording);
 
-  const std::size_t largest = chunks.empty() ? 1 : std::max<std::size_t>(1, chunks.front().num_core_points);
-  const double halo_factor = std::pow(1 + 2 * params.chunks.overlap, 2);  // points lie on surfaces
-  const double chunk_bytes = static_cast<double>(largest) * halo_factor * kBytesPerPoint;
-  const double room = params.colorize.memory_limit * 1e6 * kChunkShare / chunk_bytes;
-  const int num_threads = std::min(resolveNumThreads(params.colorize.num_threads), std::max(1, static_cast<int>(room)));
-
+  MemoryBudget memory(params.colorize.memory_limit * 1e6 * kChunkShare);
   ProgressMeter progress(callbacks, "colour", recording.numPoints());
-  parallelFor(num_threads, chunks.size(), [&](std::size_t c) {
+  parallelFor(params.colorize.num_threads, chunks.size(), [&](std::size_t c) {
     const auto& tiles = chunks[c].core_tiles;
     const bool todo = !std::all_of(tiles.begin(), tiles.end(), [&](std::size_t tile) { return work.hasColors(tile); });
-    if (todo) colorChunk(work, chunks[c], grid, tone);
+    if (todo) {
+      const MemoryBudget::Share share(memory, chunks[c].num_points_with_halo * kBytesPerPoint);
+      colorChunk(work, chunks[c], grid, tone);
+    }
     progress.add(chunks[c].num_core_points, todo);
   });
 }

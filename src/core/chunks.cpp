@@ -3,6 +3,7 @@
 #include "cloud_colorizer/chunks.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
@@ -95,12 +96,14 @@ Chunk makeChunk(const Cube& cube, const std::vector<Tile>& tiles, double tile_si
   const double side = static_cast<double>(cube.side) * tile_size;
   const double halo = overlap * side;
   chunk.box_with_halo = {(low - halo).matrix().cast<float>(), (low + side + halo).matrix().cast<float>()};
+  chunk.num_points_with_halo = static_cast<double>(chunk.num_core_points);
   if (halo <= 0) return chunk;
   for (std::size_t id = 0; id < tiles.size(); ++id) {
     const Eigen::Array3d tile_low = lowCorner(tiles[id].index);
-    const bool touched = (tile_low < low + side + halo).all() && (tile_low + tile_size > low - halo).all();
-    const bool core = std::binary_search(chunk.core_tiles.begin(), chunk.core_tiles.end(), id);
-    if (touched && !core) chunk.halo_tiles.push_back(id);
+    const Eigen::Array3d common = (tile_low + tile_size).min(low + side + halo) - tile_low.max(low - halo);
+    if (!(common > 0).all() || std::binary_search(chunk.core_tiles.begin(), chunk.core_tiles.end(), id)) continue;
+    chunk.halo_tiles.push_back(id);
+    chunk.num_points_with_halo += static_cast<double>(tiles[id].num_points) * (common / tile_size).prod();
   }
   return chunk;
 }
@@ -112,20 +115,30 @@ void ChunkParams::check() const {
   requireInRange("overlap", overlap, 0.0, 0.5);
 }
 
+double ChunkParams::maxPointsWithHalo() const {
+  return max_chunk_points * std::pow(1 + 2 * overlap, 2);
+}
+
 std::vector<Chunk> planChunks(const std::vector<Tile>& tiles, double tile_size, const ChunkParams& params) {
   params.check();
   if (tiles.empty()) return {};
   std::vector<Cube> open = rootCubes(tiles);
   std::vector<Chunk> chunks;
   while (!open.empty()) {
-    Cube cube = std::move(open.back());
+    const Cube cube = std::move(open.back());
     open.pop_back();
     if (cube.tiles.empty()) continue;
-    if (cube.side > 1 && countPoints(tiles, cube.tiles) > static_cast<std::size_t>(params.max_chunk_points)) {
-      for (auto& child : splitCube(cube, tiles)) open.push_back(std::move(child));
-    } else {
-      chunks.push_back(makeChunk(cube, tiles, tile_size, params.overlap));
+    bool fits = countPoints(tiles, cube.tiles) <= static_cast<std::size_t>(params.max_chunk_points);
+    if (fits || cube.side == 1) {
+      Chunk chunk = makeChunk(cube, tiles, tile_size, params.overlap);
+      // A large cube of few points beside a dense place would have many times its own points in its halo.
+      fits = chunk.num_points_with_halo <= params.maxPointsWithHalo();
+      if (fits || cube.side == 1) {
+        chunks.push_back(std::move(chunk));
+        continue;
+      }
     }
+    for (auto& child : splitCube(cube, tiles)) open.push_back(std::move(child));
   }
   std::sort(chunks.begin(), chunks.end(),
             [](const Chunk& a, const Chunk& b) { return a.core_tiles.front() < b.core_tiles.front(); });

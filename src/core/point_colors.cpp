@@ -24,12 +24,12 @@ std::vector<Index> seenPoints(const Observations& observations) {
   return seen;
 }
 
-/// The observations without the rows of points that have none; nothing else moves.
-Observations dropUnseen(const Observations& observations, const std::vector<Index>& seen) {
-  Observations rows = observations;
-  rows.offsets.assign(1, 0);
-  for (const Index p : seen) rows.offsets.push_back(observations.offsets[static_cast<std::size_t>(p) + 1]);
-  return rows;
+/// Takes out the rows of points that have no observations; nothing else moves.
+void dropUnseen(Observations& observations, const std::vector<Index>& seen) {
+  std::vector<std::uint32_t> offsets(1, 0);
+  offsets.reserve(seen.size() + 1);
+  for (const Index p : seen) offsets.push_back(observations.offsets[static_cast<std::size_t>(p) + 1]);
+  observations.offsets = std::move(offsets);
 }
 
 Fused fuse(const Observations& observations, Method method) {
@@ -49,8 +49,7 @@ Fused fuse(const Observations& observations, Method method) {
 
 }  // namespace
 
-PointColors colorPoints(PointsRef points, const Observations& observations, const ZOrderGrid& grid,
-                        const Params& params) {
+PointColors colorPoints(PointsRef points, Observations observations, const ZOrderGrid& grid, const Params& params) {
   const Method method = params.colorize.method;
   Fused fused = fuse(observations, method);
   PointColors colors{std::move(fused.values), std::move(fused.count), std::move(fused.stddev)};
@@ -69,8 +68,8 @@ PointColors colorPoints(PointsRef points, const Observations& observations, cons
     graph.edge_length_ratio = 0;
     system.min_data_weight = 0;
   }
-  const Values solved =
-      solveValues(gatherColumns<Points>(points, seen), dropUnseen(observations, seen), data, grid, graph, system);
+  dropUnseen(observations, seen);
+  const Values solved = solveValues(gatherColumns<Points>(points, seen), observations, data, grid, graph, system);
   for (std::size_t k = 0; k < seen.size(); ++k) colors.values.col(seen[k]) = solved.col(static_cast<Index>(k));
   return colors;
 }

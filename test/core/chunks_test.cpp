@@ -50,6 +50,31 @@ TEST(Chunks, CoreHasNoMorePointsThanAllowedUnlessItIsOneTile) {
   }
 }
 
+TEST(Chunks, LargeSparseChunkDoesNotTakeADensePlaceIntoItsHalo) {
+  // Fields on both sides of a dense street, that would fit into a few large cubes.
+  std::vector<Tile> tiles;
+  for (std::int32_t x = -32; x < 32; ++x) {
+    for (std::int32_t y = -32; y < 32; ++y) tiles.push_back({{x, y, 0}, y == 0 ? 4000U : 1U});
+  }
+  const ChunkParams params = smallChunks(5000, 0.25);
+  std::size_t num_tiles = 0, largest = 0;
+  for (const Chunk& chunk : planChunks(tiles, 10, params)) {
+    num_tiles += chunk.core_tiles.size();
+    largest = std::max(largest, chunk.core_tiles.size());
+    EXPECT_LE(chunk.num_points_with_halo, params.maxPointsWithHalo());
+  }
+  EXPECT_EQ(num_tiles, tiles.size());
+  EXPECT_GE(largest, 256U) << "where the street is far, chunks stay large";
+}
+
+TEST(Chunks, PointsWithHaloAreThoseInTheBox) {
+  const std::vector<Tile> tiles = {{{0, 0, 0}, 1000}, {{1, 0, 0}, 400}};
+  const auto chunks = planChunks(tiles, 10, smallChunks(1000, 0.25));
+  ASSERT_EQ(chunks.size(), 2U);
+  EXPECT_DOUBLE_EQ(chunks[0].num_points_with_halo, 1000 + 100);
+  EXPECT_DOUBLE_EQ(chunks[1].num_points_with_halo, 400 + 250);
+}
+
 TEST(Chunks, FarApartTilesDoNotMakeManyChunks) {
   const std::vector<Tile> tiles = {{{-1000000, 0, 0}, 10}, {{1000000, 5, 0}, 10}};
   EXPECT_LE(planChunks(tiles, 1, smallChunks(1000, 0.1)).size(), 2U);
