@@ -31,7 +31,7 @@ struct AlignmentParams {
   AlignPoses align_poses = AlignPoses::kViews;
   bool align_time_offset = false;          ///< apply the time offset of each camera, not only report it
   bool align_to_intensity = true;          ///< tie the images to the LiDAR intensity where the cloud has it
-  int alignment_points = 20000;            ///< sample points that one view uses at most
+  int alignment_points = 10000;            ///< sample points that one view uses at most
   int alignment_rounds = 4;                ///< Gauss-Newton rounds at each blur
   double alignment_blur = 0;               ///< px, Gaussian sigma of the first round; 0: from the pose priors
   double pose_rotation_prior = 0.15;       ///< deg an axis, of one view against its camera
@@ -57,7 +57,7 @@ struct AlignmentInput {
   std::function<std::shared_ptr<const DepthImage>(std::size_t view, const Eigen::Isometry3d& map_from_camera)> depth;
   DepthParams depth_params;
   int num_threads = 0;         ///< 0: one a core
-  double memory_limit = 1000;  ///< MB for blurred images that are kept between rounds
+  double memory_limit = 1000;  ///< MB for what the views see and for blurred images that are kept between rounds
 };
 
 struct ViewAlignment {

@@ -23,11 +23,14 @@ namespace {
 
 using namespace alignment;
 
-constexpr double kFinestBlur = 0.7;     // px
-constexpr double kCoarsestBlur = 8;     // px: beyond it too little texture is left
-constexpr double kBlurRatio = 0.6;      // from one level to the next
-constexpr std::size_t kMinShared = 60;  // points that a view must share with others
-constexpr double kMaxPriorSigmas = 6;   // a larger correction is refused
+constexpr double kFinestBlur = 0.7;        // px
+constexpr double kCoarsestBlur = 8;        // px: beyond it too little texture is left
+constexpr double kBlurRatio = 0.6;         // from one level to the next
+constexpr std::size_t kMinShared = 60;     // points that a view must share with others
+constexpr double kMaxPriorSigmas = 6;      // a larger correction is refused
+constexpr std::size_t kFewPoints = 4000;   // of a view: enough for all but the last, finest level
+constexpr double kBytesPerSighting = 200;  // of an observation, with its equations; measured, rounded up
+constexpr double kSightingsShare = 0.5;    // of the memory; the rest is for blurred images
 
 void checkInput(const AlignmentInput& input) {
   require<std::invalid_argument>(
@@ -72,7 +75,14 @@ AlignmentInput onSurface(const AlignmentInput& input) {
 class Aligner {
  public:
   Aligner(const AlignmentInput& input, const AlignmentParams& params, const Callbacks& callbacks)
-      : input_(input), params_(params), callbacks_(callbacks), sightings_(input.views.size()) {
+      : input_(input),
+        params_(params),
+        callbacks_(callbacks),
+        runs_(makeRuns(input.points, input.surfels)),
+        sightings_(input.views.size()) {
+    const double room = kSightingsShare * 1e6 * input.memory_limit / kBytesPerSighting;
+    const double points = room / static_cast<double>(std::max<std::size_t>(1, input.views.size()));
+    max_points_ = static_cast<std::size_t>(std::clamp<double>(points, 100, params.alignment_points));
     state_.views.assign(input.views.size(), Twist::Zero());
     state_.cameras.assign(input.cameras.size(), Twist::Zero());
     state_.time_offsets.assign(input.cameras.size(), 0);
@@ -88,7 +98,8 @@ class Aligner {
   AlignmentResult run();
 
  private:
-  void look(bool all);
+  void look(bool all, std::size_t points);
+  std::vector<double> medianDepths() const;
   bool hasOverlap();
   void findClocks();
   void refine();
@@ -97,6 +108,7 @@ class Aligner {
   void refuse();
   void report();
   void warnAboutCamera(std::size_t c);
+  std::size_t fewPoints() const { return std::min(max_points_, kFewPoints); }
   double startBlur() const;
   std::vector<double> levels() const;
   std::vector<float> residuals(const PoseState& state, double sigma, std::vector<float>& by_view) const;
@@ -106,9 +118,10 @@ class Aligner {
   const AlignmentInput& input_;
   const AlignmentParams& params_;
   const Callbacks& callbacks_;
+  std::vector<PointRun> runs_;
+  std::size_t max_points_ = 0;  // of a view
   std::vector<std::vector<Sighting>> sightings_;
   Tracks tracks_;
-  std::vector<double> depths_;  // m, median by view
   PosePriors priors_;
   PoseState state_, seen_at_;
   Eigen::VectorXd log_gains_;
@@ -141,25 +154,31 @@ double Aligner::pixelsOf(std::size_t view, const PoseState& from) const {
   return median(std::move(shifts));
 }
 
-// Looks again which view sees which point; only in those views that have moved, unless `all`.
-void Aligner::look(bool all) {
-  constexpr double kMovedPixels = 0.7;
+// Looks again which view sees which point, only in those views that have moved, unless `all`; and makes tracks of at
+// most so many points of each view.
+void Aligner::look(bool all, std::size_t points) {
+  constexpr double kMovedPixels = 1.5;
   parallelFor(input_.num_threads, input_.views.size(), [&](std::size_t v) {
     if (!all && pixelsOf(v, seen_at_) < kMovedPixels) return;
     const Eigen::Isometry3d pose = correctedPose(input_.views[v], state_.views[v]);
-    sightings_[v] = findSightings(input_, v, pose, static_cast<std::size_t>(params_.alignment_points));
+    sightings_[v] = findSightings(input_, runs_, v, pose, max_points_);
     seen_at_.views[v] = state_.views[v];
   });
-  tracks_ = makeTracks(sightings_, static_cast<std::size_t>(input_.points.cols()));
-  depths_.assign(input_.views.size(), 0);
+  tracks_ = makeTracks(sightings_, static_cast<std::size_t>(input_.points.cols()), points);
+}
+
+// Of each view, m.
+std::vector<double> Aligner::medianDepths() const {
+  std::vector<double> medians;
   for (std::size_t v = 0; v < input_.views.size(); ++v) {
     const Eigen::Isometry3d camera_from_map = correctedPose(input_.views[v], state_.views[v]).inverse();
     std::vector<float> depths;
     for (const Sighting& s : sightings_[v]) {
       depths.push_back(static_cast<float>((camera_from_map * input_.points.col(s.point).cast<double>()).z()));
     }
-    depths_[v] = median(std::move(depths));
+    medians.push_back(median(std::move(depths)));
   }
+  return medians;
 }
 
 bool Aligner::hasOverlap() {
@@ -232,11 +251,12 @@ void Aligner::findClocks() {
 }
 
 void Aligner::refine() {
+  look(false, fewPoints());
   findClocks();
   const std::vector<double> sigmas = levels();
   for (std::size_t level = 0; level < sigmas.size(); ++level) {
     poll("align poses", level, sigmas.size());
-    look(false);
+    look(false, level + 1 < sigmas.size() ? fewPoints() : max_points_);
     const BlurredImages images(input_, sigmas[level]);
     const PoseData data{&input_, &tracks_, &images, &log_gains_, sigmas[level], ranks_.size() > 0 ? &ranks_ : nullptr};
     updateGains(data);
@@ -360,15 +380,15 @@ AlignmentResult Aligner::run() {
     return std::move(result_);
   }
   if (params_.align_to_intensity) ranks_ = intensityRanks(input_.intensity);
-  look(true);
+  look(true, max_points_);
   if (!hasOverlap()) return std::move(result_);
-  priors_ = makePriors(input_, params_, depths_);
+  priors_ = makePriors(input_, params_, medianDepths());
   if (params_.align_poses != AlignPoses::kNone) {
     refine();
     refuse();
     result_.poses_aligned = true;
   }
-  look(false);
+  look(false, fewPoints());
   const double sigma = result_.poses_aligned ? 1.2 : startBlur();
   const auto exposures = estimateExposures(input_, tracks_, state_, sigma, params_);
   const std::vector<float> weights = sharpnessWeights(input_, tracks_, state_, exposures);

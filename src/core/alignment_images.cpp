@@ -11,6 +11,7 @@ namespace cloud_colorizer::alignment {
 namespace {
 
 constexpr int kSaturated = 250, kBlack = 5;  // of 255
+constexpr double kImagesShare = 0.5;         // of the memory; the rest is for what the views see
 constexpr int kInvalidShare = 40;            // of 255: more of the blur than that is saturated, black or masked
 
 // Channels beyond these bounds carry no information about the exposure.
@@ -119,7 +120,7 @@ std::shared_ptr<const BlurredImage> BlurredImages::get(std::size_t view) const {
   auto blurred = std::make_shared<BlurredImage>(blurImage(*image, mask.get(), sigma_));
   const double bytes = 3.0 * static_cast<double>(blurred->grey.total());
   // Each view has an equal claim, so that what is kept does not depend on the order of the threads.
-  if (static_cast<double>(view + 1) * bytes < input_->memory_limit * 1e6) kept_[view] = blurred;
+  if (static_cast<double>(view + 1) * bytes < kImagesShare * 1e6 * input_->memory_limit) kept_[view] = blurred;
   return blurred;
 }
 

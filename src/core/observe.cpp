@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/point_runs.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -188,27 +189,6 @@ void checkView(const ObservedView& view, int channels) {
   require<Invalid>(view.mask->type() == CV_8UC1, "mask of view ", view.id, " is not CV_8UC1");
 }
 
-/// A run of points in a ball. Where points are in Z-order the balls are small, and a view passes over most of them.
-struct Run {
-  Eigen::Index begin = 0, end = 0;
-  Eigen::Vector3f center = Eigen::Vector3f::Zero();
-  float radius = 0;
-};
-
-std::vector<Run> makeRuns(PointsRef points, const Surfels& surfels) {
-  constexpr Eigen::Index kRunLength = 64;
-  std::vector<Run> runs;
-  for (Eigen::Index begin = 0; begin < points.cols(); begin += kRunLength) {
-    Run run{begin, std::min(begin + kRunLength, points.cols()), Eigen::Vector3f::Zero(), 0};
-    run.center = points.middleCols(run.begin, run.end - run.begin).rowwise().mean();
-    for (Eigen::Index i = run.begin; i < run.end; ++i) {
-      run.radius = std::max(run.radius, (surfels.onSurface(i, points.col(i)) - run.center).norm());
-    }
-    runs.push_back(run);
-  }
-  return runs;
-}
-
 /// Looks from one view at all points.
 class Looker {
  public:
@@ -228,9 +208,9 @@ class Looker {
     translation_ = camera_from_map.translation();
   }
 
-  void look(PointsRef points, const Surfels& surfels, const std::vector<Run>& runs, BestViews& best,
+  void look(PointsRef points, const Surfels& surfels, const std::vector<PointRun>& runs, BestViews& best,
             ObserveResult& result) {
-    for (const Run& run : runs) {
+    for (const PointRun& run : runs) {
       if (camera_.mayShow(rotation_ * run.center + translation_, run.radius)) {
         look(points, surfels, run, best, result);
       } else {
@@ -240,7 +220,7 @@ class Looker {
   }
 
  private:
-  void look(PointsRef points, const Surfels& surfels, const Run& run, BestViews& best, ObserveResult& result) {
+  void look(PointsRef points, const Surfels& surfels, const PointRun& run, BestViews& best, ObserveResult& result) {
     ObserveStats& stats = result.stats;
     for (Eigen::Index i = run.begin; i < run.end; ++i) {
       const Eigen::Vector3f point = rotation_ * surfels.onSurface(i, points.col(i)) + translation_;
@@ -357,7 +337,7 @@ ObserveResult observe(PointsRef points, const Surfels& surfels, std::size_t num_
   ObserveResult result;
   result.unseen.assign(static_cast<std::size_t>(points.cols()), Unseen::kOutside);
   BestViews best(static_cast<std::size_t>(points.cols()), params.max_views);
-  const std::vector<Run> runs = makeRuns(points, surfels);
+  const std::vector<PointRun> runs = makeRuns(points, surfels);
   int channels = 0;
   for (std::size_t k = 0; k < num_views; ++k) {
     const ObservedView at = view(k);

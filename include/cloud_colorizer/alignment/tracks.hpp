@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cloud_colorizer/alignment.hpp"
+#include "cloud_colorizer/point_runs.hpp"
 
 namespace cloud_colorizer::alignment {
 
@@ -31,8 +32,9 @@ struct Tracks {
   std::size_t numObservations() const { return sightings.size(); }
 };
 
-/// The sample points that a view at a pose sees clearly: at most `max_points`, the same choice of points in all views.
-std::vector<Sighting> findSightings(const AlignmentInput& input, std::size_t view,
+/// The sample points that a view at a pose sees clearly, ascending: at most `max_points`, the same choice of points in
+/// all views. `runs` are those of input.points.
+std::vector<Sighting> findSightings(const AlignmentInput& input, const std::vector<PointRun>& runs, std::size_t view,
                                     const Eigen::Isometry3d& map_from_camera, std::size_t max_points);
 
 /// A number for each point in [0, kPointGroups), the same within a block of the map: what is in different groups is
@@ -40,6 +42,7 @@ std::vector<Sighting> findSightings(const AlignmentInput& input, std::size_t vie
 using PointGroups = std::vector<std::uint8_t>;
 constexpr int kPointGroups = 32;
 
-Tracks makeTracks(const std::vector<std::vector<Sighting>>& by_view, std::size_t num_points);
+/// Of at most `max_points` of each view, chosen as in findSightings.
+Tracks makeTracks(const std::vector<std::vector<Sighting>>& by_view, std::size_t num_points, std::size_t max_points);
 
 }  // namespace cloud_colorizer::alignment
