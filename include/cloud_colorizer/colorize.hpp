@@ -30,6 +30,10 @@ struct ColorizeSummary {
 /// Throws std::runtime_error with reason and remedy when there is nothing to colour or from.
 ColorizeSummary colorize(const Recording& recording, const Params& params, const Callbacks& callbacks);
 
+/// map_from_camera of every view, relative to the origin: corrected when colorize() aligned the recording with these
+/// parameters, else as recorded.
+std::vector<Eigen::Isometry3d> usedPoses(const Recording& recording, const Params& params);
+
 /// Fields of the coloured map: those of the recording (a clash gets the prefix "input_"), then rgb (FLOAT32, packed),
 /// view_count (UINT16), color_stddev (FLOAT32).
 std::vector<Field> coloredFields(const Recording& recording);

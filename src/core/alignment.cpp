@@ -262,6 +262,7 @@ void Aligner::refine() {
     updateGains(data);
     const PoseRounds rounds = refinePoses(data, priors_, params_.alignment_rounds, input_.num_threads, state_);
     if (level + 1 == sigmas.size()) shrink(data);
+    learnSteps(input_.views, state_, priors_);  // for the next level
     if (!callbacks_.log) continue;
     std::ostringstream text;
     text << "Alignment at a blur of " << sigmas[level] << " px: residual " << rounds.residual_first << " to "

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -47,7 +48,10 @@ class PriorTerms {
 
   double cost(const PoseState& state) const {
     double sum = 0;
-    for (std::size_t v = 0; v < views_.size(); ++v) sum += deviation(state, v).squaredNorm();
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      sum += deviation(state, v).squaredNorm();
+      if (hasStep(v)) sum += stepDeviation(state, v).squaredNorm();
+    }
     for (std::size_t c = 0; c < state.cameras.size(); ++c) {
       sum += state.cameras[c].cwiseQuotient(priors_.camera_sigmas[c]).squaredNorm();
       sum += std::pow(state.time_offsets[c] / priors_.time_sigmas[c], 2);
@@ -56,7 +60,10 @@ class PriorTerms {
   }
 
   void addTo(const PoseState& state, std::vector<Eigen::Triplet<double>>& lower, Eigen::VectorXd& gradient) const {
-    for (std::size_t v = 0; v < views_.size(); ++v) addView(state, v, lower, gradient);
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      addView(state, v, lower, gradient);
+      if (hasStep(v)) addStep(state, v, lower, gradient);
+    }
     for (std::size_t c = 0; c < state.cameras.size(); ++c) {
       const auto base = static_cast<int>(cameraBase(c));
       for (int i = 0; i < 6; ++i) {
@@ -87,6 +94,28 @@ class PriorTerms {
       gradient[d + i] += s * deviation[i];
       gradient[e + i] -= s * deviation[i];
       gradient[tau] -= s * u * deviation[i];
+    }
+  }
+
+  bool hasStep(std::size_t v) const { return !priors_.step_sigmas.empty() && priors_.previous[v] != v; }
+
+  Twist stepDeviation(const PoseState& state, std::size_t v) const {
+    return (state.views[v] - state.views[priors_.previous[v]]).cwiseQuotient(priors_.step_sigmas[views_[v].camera]);
+  }
+
+  // Of (d_v - d_u)^2 / sigma^2 in each component, u the view before.
+  void addStep(const PoseState& state, std::size_t v, std::vector<Eigen::Triplet<double>>& lower,
+               Eigen::VectorXd& gradient) const {
+    const std::size_t u = priors_.previous[v];
+    const auto a = static_cast<int>(6 * v), b = static_cast<int>(6 * u);
+    const Twist deviation = stepDeviation(state, v);
+    for (int i = 0; i < 6; ++i) {
+      const double s = 1 / priors_.step_sigmas[views_[v].camera][i], s2 = s * s;
+      lower.emplace_back(a + i, a + i, s2);
+      lower.emplace_back(b + i, b + i, s2);
+      lower.emplace_back(std::max(a, b) + i, std::min(a, b) + i, -s2);
+      gradient[a + i] += s * deviation[i];
+      gradient[b + i] -= s * deviation[i];
     }
   }
 

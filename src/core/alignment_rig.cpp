@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
+#include "cloud_colorizer/alignment/gains.hpp"
 #include "cloud_colorizer/alignment/poses.hpp"
 
 namespace cloud_colorizer::alignment {
@@ -95,7 +97,40 @@ PosePriors makePriors(const AlignmentInput& input, const AlignmentParams& params
     priors.time_sigmas.push_back(params.time_offset_prior * (params.align_time_offset ? 1 : kStiff));
   }
   priors.velocities = viewVelocities(input.views);
+  priors.previous.resize(input.views.size());
+  std::iota(priors.previous.begin(), priors.previous.end(), std::size_t{0});
+  for (const auto& camera : byCameraAndTime(input.views)) {
+    for (std::size_t i = 1; i < camera.size(); ++i) {
+      const double gap = input.views[camera[i]].stamp - input.views[camera[i - 1]].stamp;
+      if (gap <= kMaxStampGap) priors.previous[camera[i]] = camera[i - 1];
+    }
+  }
   return priors;
+}
+
+void learnSteps(const std::vector<View>& views, const PoseState& state, PosePriors& priors) {
+  constexpr std::size_t kMinSteps = 10;  // that tell a spread
+  constexpr double kMadToSigma = 1.4826;
+  constexpr double kLeast = 0.05;  // of a view's prior
+  std::vector<Twist> step_sigmas;
+  for (std::size_t c = 0; c < state.cameras.size(); ++c) {
+    std::array<std::vector<float>, 6> sizes;
+    Twist least = Twist::Zero();
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      if (views[v].camera != c || priors.previous[v] == v) continue;
+      const Twist step = state.views[v] - state.views[priors.previous[v]];
+      for (Eigen::Index i = 0; i < 6; ++i)
+        sizes[static_cast<std::size_t>(i)].push_back(std::abs(static_cast<float>(step[i])));
+      least = kLeast * priors.view_sigmas[v];
+    }
+    if (sizes[0].size() < kMinSteps) return;
+    Twist sigmas;
+    for (Eigen::Index i = 0; i < 6; ++i) {
+      sigmas[i] = std::max(least[i], kMadToSigma * static_cast<double>(median(sizes[static_cast<std::size_t>(i)])));
+    }
+    step_sigmas.push_back(sigmas);
+  }
+  priors.step_sigmas = std::move(step_sigmas);
 }
 
 }  // namespace cloud_colorizer::alignment

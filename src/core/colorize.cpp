@@ -41,4 +41,13 @@ ColorizeSummary colorize(const Recording& recording, const Params& params, const
   return summary;
 }
 
+std::vector<Eigen::Isometry3d> usedPoses(const Recording& recording, const Params& params) {
+  const FolderLock lock(recording.directory(), false);
+  Workspace work(recording, params);
+  work.restoreCorrections();
+  std::vector<Eigen::Isometry3d> poses;
+  for (std::size_t v = 0; v < recording.views().size(); ++v) poses.push_back(work.corrected(v).map_from_camera);
+  return poses;
+}
+
 }  // namespace cloud_colorizer

@@ -6,25 +6,14 @@
 
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/colmap.hpp"
+#include "cloud_colorizer/colorize.hpp"
+#include "cloud_colorizer/file_io.hpp"
 #include "text.hpp"
-#include "workspace.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
 constexpr int kStampDecimals = 9;
-
-std::vector<Eigen::Isometry3d> usedPoses(const Recording& recording, const Params& params) {
-  const FolderLock lock(recording.directory(), false);
-  Workspace work(recording, params);
-  work.restoreCorrections();
-  std::vector<Eigen::Isometry3d> poses;
-  for (std::size_t v = 0; v < recording.views().size(); ++v) {
-    poses.push_back(work.corrected(v).map_from_camera);
-    poses.back().pretranslate(recording.origin());
-  }
-  return poses;
-}
 
 std::string tumLine(double stamp, const Eigen::Isometry3d& pose) {
   const Eigen::Vector3d t = pose.translation();
@@ -59,7 +48,8 @@ void exportModel(const Recording& recording, const Params& params, const std::st
   const std::vector<View>& views = recording.views();
   require<std::invalid_argument>(names.empty() || names.size() == views.size(), names.size(), " names for ",
                                  views.size(), " views");
-  const std::vector<Eigen::Isometry3d> poses = usedPoses(recording, params);
+  std::vector<Eigen::Isometry3d> poses = usedPoses(recording, params);
+  for (Eigen::Isometry3d& pose : poses) pose.pretranslate(recording.origin());
   ColmapModel model;
   for (const RecordedCamera& camera : recording.cameras()) model.cameras.push_back(camera.intrinsics);
   for (std::size_t v = 0; v < views.size(); ++v) {

@@ -14,6 +14,7 @@
 #include "cloud_colorizer/evaluation/score.hpp"
 #include "cloud_colorizer/parallel.hpp"
 #include "heldout_pictures.hpp"
+#include "trajectory.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -23,6 +24,7 @@ using Eigen::Index;
 /// The map coloured by one method.
 struct ColoredMap {
   std::string method;
+  std::vector<Eigen::Isometry3d> poses;  ///< of the views that it was coloured from, as the method used them
   Points points;
   Values colors;
   std::vector<std::uint8_t> colored;
@@ -35,6 +37,7 @@ ColoredMap colorMap(const Recording& training, const HeldoutParams& params, Meth
   colorize(training, settings, callbacks);
   ColoredMap map;
   map.method = enumNames(method)[static_cast<std::size_t>(method)];
+  map.poses = usedPoses(training, settings);
   map.points.resize(3, static_cast<Index>(training.numPoints()));
   map.colors.resize(3, map.points.cols());
   Index next = 0;
@@ -102,8 +105,8 @@ SeenImage lookAtPoints(PointsRef points, const Surfels& surfels, const Camera& c
 
 /// Errors of one method in one or more images.
 struct Errors {
-  std::vector<float> raw, after_gain, trimmed, refined;  ///< mean over the channels, by point
-  double squares = 0;                                    ///< sum over points and channels, after the gain
+  std::vector<float> raw, after_gain, given, trimmed, refined;  ///< mean over the channels, by point
+  double squares = 0;                                           ///< sum over points and channels, after the gain
   std::size_t visible = 0, colored = 0, moved = 0;
   double seam = 0;
   std::size_t seam_pairs = 0;
@@ -111,6 +114,7 @@ struct Errors {
   void add(const Errors& other) {
     raw.insert(raw.end(), other.raw.begin(), other.raw.end());
     after_gain.insert(after_gain.end(), other.after_gain.begin(), other.after_gain.end());
+    given.insert(given.end(), other.given.begin(), other.given.end());
     trimmed.insert(trimmed.end(), other.trimmed.begin(), other.trimmed.end());
     refined.insert(refined.end(), other.refined.begin(), other.refined.end());
     squares += other.squares;
@@ -191,10 +195,24 @@ Errors compare(const ColoredMap& map, const SeenImage& seen, const std::vector<s
   return errors;
 }
 
-/// The same points, where the image shows them from the pose that fits this map best. So no method pays for the error
-/// of the held-out view's own pose, nor has an advantage when the map moved with a correction of the extrinsics.
-SeenImage atRefinedPose(const ColoredMap& map, const SeenImage& seen, const Camera& camera, const View& view,
-                        const cv::Mat3b& image) {
+/// The same points, where the image shows them from another pose.
+SeenImage seenFrom(const Eigen::Isometry3d& map_from_camera, const ColoredMap& map, const SeenImage& seen,
+                   const Camera& camera, const cv::Mat3b& image) {
+  const Eigen::Isometry3f camera_from_map = map_from_camera.inverse().cast<float>();
+  SeenImage moved = seen;
+  for (std::size_t k = 0; k < seen.points.size(); ++k) {
+    const auto pixel = camera.project(camera_from_map * map.points.col(seen.points[k]));
+    if (!pixel) continue;
+    moved.pixels[k] = *pixel;
+    moved.values.block<3, 1>(0, static_cast<Index>(k)) = bilinear(image, *pixel);
+  }
+  return moved;
+}
+
+/// The pose from which the image fits this map best. At it no method pays for the error of the held-out view's own
+/// pose, nor has an advantage when the map moved with a correction of the extrinsics.
+Eigen::Isometry3d refinedPose(const ColoredMap& map, const SeenImage& seen, const Camera& camera,
+                              const Eigen::Isometry3d& start, const cv::Mat3b& image) {
   std::vector<Index> colored;
   for (const Index p : seen.points) {
     if (map.colored[static_cast<std::size_t>(p)] != 0) colored.push_back(p);
@@ -205,14 +223,7 @@ SeenImage atRefinedPose(const ColoredMap& map, const SeenImage& seen, const Came
     points.col(static_cast<Index>(k)) = map.points.col(colored[k]);
     colors.col(static_cast<Index>(k)) = map.colors.col(colored[k]);
   }
-  const Eigen::Isometry3f camera_from_map =
-      refinePose(points, colors, camera, image, view.map_from_camera).inverse().cast<float>();
-  SeenImage refined = seen;
-  for (std::size_t k = 0; k < seen.points.size(); ++k) {
-    const auto pixel = camera.project(camera_from_map * map.points.col(seen.points[k]));
-    if (pixel) refined.values.block<3, 1>(0, static_cast<Index>(k)) = bilinear(image, *pixel);
-  }
-  return refined;
+  return refinePose(points, colors, camera, image, start);
 }
 
 double mean(const std::vector<float>& values) {
@@ -233,6 +244,7 @@ const std::vector<std::string> kHeader = {"method",
                                           "median",
                                           "mean_with_gain",
                                           "median_with_gain",
+                                          "mean_given_pose",
                                           "mean_trimmed",
                                           "mean_refined_pose",
                                           "median_refined_pose",
@@ -252,6 +264,7 @@ std::vector<std::string> cells(const std::string& method, const Errors& e) {
           formatNumber(median(e.raw), 3),
           formatNumber(mean(e.after_gain), 3),
           formatNumber(median(e.after_gain), 3),
+          formatNumber(mean(e.given), 3),
           formatNumber(mean(e.trimmed), 3),
           formatNumber(mean(e.refined), 3),
           formatNumber(median(e.refined), 3),
@@ -318,16 +331,22 @@ HeldoutResult scoreHeldout(const Recording& recording, const HeldoutParams& para
     const SeenImage seen = lookAtPoints(points, surfels, camera, view, image, recording.readMask(view.camera),
                                         emptyAt(view), params.params);
     const std::vector<std::uint8_t> moved = movedPoints(*median_map, seen, params.moved_error);
+    SeenImage own;
     for (const ColoredMap& map : maps) {
-      Errors found = compare(map, seen, moved, neighbors);
-      found.refined = compare(map, atRefinedPose(map, seen, camera, view, image), moved, {}).trimmed;
+      const Eigen::Isometry3d pose = poseOnTrajectory(view, training.views(), map.poses);
+      own = seenFrom(pose, map, seen, camera, image);
+      Errors found = compare(map, own, moved, neighbors);
+      found.given = compare(map, seen, moved, {}).after_gain;
+      found.refined =
+          compare(map, seenFrom(refinedPose(map, own, camera, pose, image), map, own, camera, image), moved, {})
+              .trimmed;
       errors[h].push_back(std::move(found));
     }
     const ColoredMap& last = maps.back();
     std::vector<std::uint8_t> colored;
-    for (const Index p : seen.points) colored.push_back(last.colored[static_cast<std::size_t>(p)]);
-    savePictures(directory + "/view_" + std::to_string(heldout[h]) + ".png", last.method, seen,
-                 predict(last, seen, true), colored, image);
+    for (const Index p : own.points) colored.push_back(last.colored[static_cast<std::size_t>(p)]);
+    savePictures(directory + "/view_" + std::to_string(heldout[h]) + ".png", last.method, own, predict(last, own, true),
+                 colored, image);
     const std::lock_guard<std::mutex> lock(mutex);
     if (callbacks.progress) callbacks.progress({"held-out views", ++done, heldout.size(), 0, -1});
   });

@@ -32,9 +32,15 @@ Eigen::Isometry3d correctedPose(const View& view, const Twist& correction);
 struct PosePriors {
   std::vector<Twist> view_sigmas, camera_sigmas, velocities;
   std::vector<double> time_sigmas;  ///< s, by camera
+  /// By view: the one before it of the same camera in time, its own number where there is none.
+  std::vector<std::size_t> previous;
+  std::vector<Twist> step_sigmas;  ///< by camera, of the difference to the previous view's correction; empty: any
 };
 /// `depths`: median depth of the points of every view, m.
 PosePriors makePriors(const AlignmentInput& input, const AlignmentParams& params, const std::vector<double>& depths);
+/// Learns step_sigmas from the corrections so far: where those of most views follow each other smoothly, as the drift
+/// of a trajectory does, one that jumps is an error of its images. Noise of every pose by itself leaves them loose.
+void learnSteps(const std::vector<View>& views, const PoseState& state, PosePriors& priors);
 /// Motion of every view a second in its own frame, from its neighbours in time of the same camera; 0 without.
 std::vector<Twist> viewVelocities(const std::vector<View>& views);
 

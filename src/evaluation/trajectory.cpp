@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "trajectory.hpp"
+
+#include <cmath>
+
+namespace cloud_colorizer {
+namespace {
+
+constexpr double kMaxGap = 0.95;  // s
+
+/// The nearest view in time of the same camera before (or at) the stamp, or after it; views.size() when there is none.
+std::size_t neighbor(const View& view, const std::vector<View>& views, bool before) {
+  std::size_t nearest = views.size();
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const double gap = views[v].stamp - view.stamp;
+    if (views[v].camera != view.camera || (gap <= 0) != before || std::abs(gap) > kMaxGap) continue;
+    if (nearest == views.size() || std::abs(gap) < std::abs(views[nearest].stamp - view.stamp)) nearest = v;
+  }
+  return nearest;
+}
+
+/// In the camera's frame.
+Eigen::Isometry3d correction(const View& view, const Eigen::Isometry3d& corrected) {
+  return view.map_from_camera.inverse() * corrected;
+}
+
+}  // namespace
+
+Eigen::Isometry3d poseOnTrajectory(const View& view, const std::vector<View>& views,
+                                   const std::vector<Eigen::Isometry3d>& corrected) {
+  std::size_t before = neighbor(view, views, true), after = neighbor(view, views, false);
+  if (before == views.size()) before = after;
+  if (after == views.size()) after = before;
+  if (before == views.size()) return view.map_from_camera;
+  const Eigen::Isometry3d a = correction(views[before], corrected[before]);
+  const Eigen::Isometry3d b = correction(views[after], corrected[after]);
+  const double span = views[after].stamp - views[before].stamp;
+  const double share = span > 0 ? (view.stamp - views[before].stamp) / span : 0;
+  Eigen::Isometry3d between = Eigen::Isometry3d::Identity();
+  between.linear() = Eigen::Quaterniond(a.linear()).slerp(share, Eigen::Quaterniond(b.linear())).toRotationMatrix();
+  between.translation() = (1 - share) * a.translation() + share * b.translation();
+  return view.map_from_camera * between;
+}
+
+}  // namespace cloud_colorizer
