@@ -29,7 +29,7 @@ constexpr double kBlurRatio = 0.6;         // from one level to the next
 constexpr std::size_t kMinShared = 60;     // points that a view must share with others
 constexpr double kMaxPriorSigmas = 6;      // a larger correction is refused
 constexpr std::size_t kFewPoints = 4000;   // of a view: enough for all but the last, finest level
-constexpr double kBytesPerSighting = 200;  // of an observation, with its equations; measured, rounded up
+constexpr double kBytesPerSighting = 200;  // of an observation, with its equations; counted, rounded up
 constexpr double kSightingsShare = 0.5;    // of the memory; the rest is for blurred images
 
 void checkInput(const AlignmentInput& input) {
