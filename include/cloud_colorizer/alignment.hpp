@@ -100,7 +100,7 @@ struct AlignmentResult {
 /// map. The same result for any number of threads. Throws std::invalid_argument on inconsistent input.
 AlignmentResult align(const AlignmentInput& input, const AlignmentParams& params, const Callbacks& callbacks);
 
-std::string describe(const AlignmentResult& result);  ///< a paragraph, then the warnings
+std::string describe(const AlignmentResult& result);  ///< a paragraph without the warnings
 std::string alignmentCsv(const AlignmentResult& result, const std::vector<View>& views);  ///< one line a view
 cv::Mat3b alignmentPicture(const AlignmentResult& result);  ///< BGR: corrections, gains and residuals by view
 

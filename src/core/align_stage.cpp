@@ -122,7 +122,9 @@ void writeReport(const Workspace& work, const AlignmentResult& result) {
   const auto write = [&](const char* name, const auto& bytes) {
     writeFileAtomically((folder / name).string(), bytes.data(), bytes.size());
   };
-  write("report.txt", describe(result));
+  std::string text = describe(result) + '\n';
+  for (const std::string& warning : result.warnings) text += "Warning: " + warning + '\n';
+  write("report.txt", text);
   write("views.csv", alignmentCsv(result, work.recording().views()));
   std::vector<std::uint8_t> png;
   cv::imencode(".png", alignmentPicture(result), png);

@@ -92,7 +92,7 @@ std::string describe(const AlignmentResult& result) {
          << result.residual_before << " grey levels before and " << result.residual_after << " after. ";
   }
   if (result.exposure_aligned) text << "Gains from " << low << " to " << high << ". ";
-  if (refused > 0) text << refused << " views keep their pose (see the table). ";
+  if (refused > 0) text << refused << " views keep their pose (alignment/views.csv tells why). ";
   if (soft > 0) text << soft << " views are blurred and weigh less. ";
   for (std::size_t c = 0; c < result.cameras.size(); ++c) {
     const CameraAlignment& camera = result.cameras[c];
@@ -110,7 +110,6 @@ std::string describe(const AlignmentResult& result) {
     text << "\ncamera_" << c << ": its images darken outwards, to " << std::setprecision(2)
          << std::exp(-vignetting.sum()) << " of their brightness at the left and right ends; undone.";
   }
-  for (const std::string& warning : result.warnings) text << "\nWarning: " << warning;
   return text.str();
 }
 
