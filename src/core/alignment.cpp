@@ -260,9 +260,9 @@ void Aligner::refine() {
     const BlurredImages images(input_, sigmas[level]);
     const PoseData data{&input_, &tracks_, &images, &log_gains_, sigmas[level], ranks_.size() > 0 ? &ranks_ : nullptr};
     updateGains(data);
+    if (level > 0) learnSteps(input_.views, state_, priors_);
     const PoseRounds rounds = refinePoses(data, priors_, params_.alignment_rounds, input_.num_threads, state_);
     if (level + 1 == sigmas.size()) shrink(data);
-    learnSteps(input_.views, state_, priors_);  // for the next level
     if (!callbacks_.log) continue;
     std::ostringstream text;
     text << "Alignment at a blur of " << sigmas[level] << " px: residual " << rounds.residual_first << " to "

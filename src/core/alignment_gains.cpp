@@ -27,7 +27,7 @@ void weigh(const Tracks& tracks, const std::vector<float>& values, const std::ve
     residuals[k] = values[k] * (equations.values[k] - centres[p]);
     magnitudes.push_back(std::abs(residuals[k]));
   }
-  const float scale = std::max(kMinScale, 1.4826F * median(std::move(magnitudes)));
+  const float scale = std::max(kMinScale, static_cast<float>(kMadToSigma) * median(std::move(magnitudes)));
   for (std::size_t k = 0; k < values.size(); ++k) {
     const float in_levels = values[k] / scale;
     equations.weights[k] = base[k] > 0 ? base[k] * cauchyWeight(residuals[k], scale) * in_levels * in_levels : 0;

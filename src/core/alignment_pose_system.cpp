@@ -52,7 +52,7 @@ Evaluation evaluate(const PoseData& data, const PoseState& state, const Evaluati
   const std::vector<float> medians = pointMedians(tracks, equations.values, equations.weights);
   std::vector<float> residuals = residualsTo(tracks, equations, medians);
   result.residual = medianMagnitude(residuals);
-  result.scale = scale > 0 ? scale : std::max(kMinScale, 1.4826F * result.residual);
+  result.scale = scale > 0 ? scale : std::max(kMinScale, static_cast<float>(kMadToSigma) * result.residual);
   const std::vector<float> base = equations.weights;
   for (std::size_t k = 0; k < base.size(); ++k) {
     const bool shared = !std::isnan(residuals[k]);

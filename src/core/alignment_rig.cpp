@@ -11,8 +11,6 @@
 namespace cloud_colorizer::alignment {
 namespace {
 
-// s between neighbours that still tell the speed; less than the 1 s that a model of photographs is given.
-constexpr double kMaxStampGap = 0.95;
 constexpr double kStiff = 1e-4;  // of a prior: a correction that is not asked for
 
 Twist sigmas(double rotation_deg, double translation, double depth) {
@@ -110,8 +108,7 @@ PosePriors makePriors(const AlignmentInput& input, const AlignmentParams& params
 
 void learnSteps(const std::vector<View>& views, const PoseState& state, PosePriors& priors) {
   constexpr std::size_t kMinSteps = 10;  // that tell a spread
-  constexpr double kMadToSigma = 1.4826;
-  constexpr double kLeast = 0.05;  // of a view's prior
+  constexpr double kLeast = 0.05;        // of a view's prior
   std::vector<Twist> step_sigmas;
   for (std::size_t c = 0; c < state.cameras.size(); ++c) {
     std::array<std::vector<float>, 6> sizes;

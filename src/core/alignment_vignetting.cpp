@@ -118,7 +118,7 @@ void reweigh(const Columns& columns, const Eigen::Vector2d& coefficients, const 
     residuals[k] = row[0] + row.tail<2>().dot(coefficients.cast<float>().transpose());
     if (base[k] > 0) magnitudes.push_back(std::abs(residuals[k]));
   }
-  const float scale = std::max(kMinScale, 1.4826F * median(std::move(magnitudes)));
+  const float scale = std::max(kMinScale, static_cast<float>(kMadToSigma) * median(std::move(magnitudes)));
   for (std::size_t k = 0; k < base.size(); ++k) weights[k] = base[k] * cauchyWeight(residuals[k], scale);
 }
 

@@ -128,12 +128,11 @@ std::vector<Chunk> planChunks(const std::vector<Tile>& tiles, double tile_size, 
     const Cube cube = std::move(open.back());
     open.pop_back();
     if (cube.tiles.empty()) continue;
-    bool fits = countPoints(tiles, cube.tiles) <= static_cast<std::size_t>(params.max_chunk_points);
-    if (fits || cube.side == 1) {
+    const bool is_tile = cube.side == 1;
+    if (is_tile || countPoints(tiles, cube.tiles) <= static_cast<std::size_t>(params.max_chunk_points)) {
       Chunk chunk = makeChunk(cube, tiles, tile_size, params.overlap);
       // A large cube of few points beside a dense place would have many times its own points in its halo.
-      fits = chunk.num_points_with_halo <= params.maxPointsWithHalo();
-      if (fits || cube.side == 1) {
+      if (is_tile || chunk.num_points_with_halo <= params.maxPointsWithHalo()) {
         chunks.push_back(std::move(chunk));
         continue;
       }

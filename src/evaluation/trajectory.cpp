@@ -4,17 +4,17 @@
 
 #include <cmath>
 
+#include "cloud_colorizer/alignment/poses.hpp"
+
 namespace cloud_colorizer {
 namespace {
-
-constexpr double kMaxGap = 0.95;  // s
 
 /// The nearest view in time of the same camera before (or at) the stamp, or after it; views.size() when there is none.
 std::size_t neighbor(const View& view, const std::vector<View>& views, bool before) {
   std::size_t nearest = views.size();
   for (std::size_t v = 0; v < views.size(); ++v) {
     const double gap = views[v].stamp - view.stamp;
-    if (views[v].camera != view.camera || (gap <= 0) != before || std::abs(gap) > kMaxGap) continue;
+    if (views[v].camera != view.camera || (gap <= 0) != before || std::abs(gap) > alignment::kMaxStampGap) continue;
     if (nearest == views.size() || std::abs(gap) < std::abs(views[nearest].stamp - view.stamp)) nearest = v;
   }
   return nearest;

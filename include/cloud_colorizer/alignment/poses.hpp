@@ -12,6 +12,10 @@
 
 namespace cloud_colorizer::alignment {
 
+/// s between views of a camera that still follow each other on one trajectory; less than the 1 s that a model of
+/// photographs is given.
+constexpr double kMaxStampGap = 0.95;
+
 /// A small motion in a camera's frame: rotation [rad], then translation [m].
 using Twist = Eigen::Matrix<double, 6, 1>;
 
