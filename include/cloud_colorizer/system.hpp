@@ -47,8 +47,10 @@ Gradients edgeGradients(const std::vector<Edge>& edges, const Observations& obse
 std::vector<Edge> weighEvidence(std::vector<Edge> edges, const Gradients& gradients, double no_evidence_weight);
 
 /// a_p: 1 for the anchors, min_data_weight for the other seen points, 0 for a point without views.
-/// A random anchor is one whose hash of the position (as stored) is below anchor_share, so every chunk makes the same
-/// choice. Consistent ones are the share of all points with the least stddev among those of two views or more, ties by
+/// A random anchor is one whose hash of the position (as stored) is the least of the 1 / anchor_share points around it
+/// in the order given. In Z-order the anchors are then spread evenly over the surface (less noise than from lots that
+/// every point draws by itself), and chunks that share points make the same choice but at their borders.
+/// Consistent ones are the share of all points with the least stddev among those of two views or more, ties by
 /// the hash; the threshold is that of the points given, so chunks may differ in it a little.
 /// Every component of the graph without an anchor gets one: the point with the most views, ties by index.
 Eigen::VectorXf dataWeights(PointsRef points, const Fused& fused, const std::vector<Edge>& edges,

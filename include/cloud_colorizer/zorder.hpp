@@ -19,6 +19,9 @@ struct ZOrderGrid {
   float cell = 0.01F;                                ///< m, > 0
 };
 
+/// A grid of 2^bits cells an axis, bits from 1 to 20, with the points in it.
+ZOrderGrid gridOf(PointsRef points, int bits = 20);
+
 /// Key of every point: bits x0 y0 z0 x1 y1 z1 ... from the lowest. Throws std::out_of_range beyond the grid and for
 /// NaN.
 std::vector<std::uint64_t> zorderKeys(PointsRef points, const ZOrderGrid& grid);

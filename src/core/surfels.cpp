@@ -25,10 +25,7 @@ constexpr float kClosing = 1.05F * 1.7724539F;
 
 /// Near points in a row keep the search in the caches.
 std::vector<std::uint32_t> coarseOrder(PointsRef points) {
-  ZOrderGrid grid;
-  grid.origin = points.rowwise().minCoeff();
-  grid.cell = std::max(1e-30F, (points.rowwise().maxCoeff() - grid.origin).maxCoeff()) / 1023;
-  return zorderSort(zorderKeys(points, grid), 0);
+  return zorderSort(zorderKeys(points, gridOf(points, 10)), 0);
 }
 
 /// Count, sum and sum of squares of points about a centre.

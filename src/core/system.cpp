@@ -17,9 +17,27 @@ namespace {
 
 using Eigen::Index;
 
+/// Whether the lot of point p is the least of the `window` lots around it.
+bool isLeast(const std::vector<double>& lots, std::size_t p, std::size_t window) {
+  const std::size_t begin = p - std::min(p, (window - 1) / 2), end = std::min(lots.size(), p + window / 2 + 1);
+  return std::none_of(lots.begin() + static_cast<std::ptrdiff_t>(begin),
+                      lots.begin() + static_cast<std::ptrdiff_t>(end),
+                      [lot = lots[p]](double other) { return other < lot; });
+}
+
 void anchorRandom(PointsRef points, const Fused& fused, double share, Eigen::VectorXf& weights) {
-  for (Index p = 0; p < points.cols(); ++p) {
-    if (fused.count(p) > 0 && unitHash(points.col(p)) < share) weights(p) = 1;
+  if (!(share > 0)) return;
+  std::vector<double> lots(static_cast<std::size_t>(points.cols()));
+  for (std::size_t p = 0; p < lots.size(); ++p) lots[p] = unitHash(points.col(static_cast<Index>(p)));
+  // One of n is the least of n. If 1 / share is no whole number, so many points look at n others that, with n + 1 for
+  // the rest, the share is right on average.
+  const double narrow = std::floor((1 + 1e-9) / share);
+  const double share_narrow = share * narrow * (narrow + 1) - narrow;
+  for (std::size_t p = 0; p < lots.size(); ++p) {
+    const double second_lot = std::fmod(lots[p] * 0x1p24, 1.0);
+    const auto window = static_cast<std::size_t>(second_lot < share_narrow ? narrow : narrow + 1);
+    const auto node = static_cast<Index>(p);
+    if (fused.count(node) > 0 && isLeast(lots, p, window)) weights(node) = 1;
   }
 }
 

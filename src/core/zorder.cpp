@@ -36,6 +36,16 @@ std::uint64_t gridCoordinate(PointsRef points, Eigen::Index p, int axis, const Z
 
 }  // namespace
 
+ZOrderGrid gridOf(PointsRef points, int bits) {
+  requireInRange("bits", bits, 1, kZOrderBits - 1);  // one bit to spare for rounding
+  ZOrderGrid grid;
+  if (points.cols() == 0) return grid;
+  grid.origin = points.rowwise().minCoeff();
+  const float extent = (points.rowwise().maxCoeff() - grid.origin).maxCoeff();
+  if (extent > 0) grid.cell = extent / static_cast<float>((1 << bits) - 1);
+  return grid;
+}
+
 std::vector<std::uint64_t> zorderKeys(PointsRef points, const ZOrderGrid& grid) {
   require<std::invalid_argument>(std::isfinite(grid.cell) && grid.cell > 0 && grid.origin.allFinite(),
                                  "Z-order grid: cell = ", grid.cell,

@@ -73,12 +73,14 @@ std::vector<std::string> isolatedBars(const Table& isolated) {
   if (isolated.rows.empty()) return sentences;
   const Table nearest = isolated.where("graph", "5-NN");
   for (std::size_t r = 0; r < nearest.rows.size(); ++r) {
+    const std::string& sampling = nearest.rows[r][nearest.column("sampling")];
+    if (sampling == kUniformSampling) continue;
     const double share = number(nearest, r, "unanchored_percent"), plain = number(nearest, r, "plain_aep"),
                  anchored = number(nearest, r, "aep");
-    sentences.push_back(sentence(share > 0 && plain > anchored,
-                                 nearest.rows[r][nearest.column("sampling")] + ": 5-NN leaves " +
-                                     formatNumber(share, 3) + " % of the points without an anchor: AEP " +
-                                     formatNumber(plain, 2) + ", with our rule " + formatNumber(anchored, 2)));
+    sentences.push_back(sentence(share > 0 && plain > anchored, sampling + ": 5-NN leaves " + formatNumber(share, 3) +
+                                                                    " % of the points without an anchor: AEP " +
+                                                                    formatNumber(plain, 2) + ", with our rule " +
+                                                                    formatNumber(anchored, 2)));
   }
   return sentences;
 }

@@ -50,15 +50,6 @@ bool endsWith(const std::string& text, const std::string& end) {
 
 }  // namespace
 
-ZOrderGrid gridOf(PointsRef points) {
-  ZOrderGrid grid;
-  if (points.cols() == 0) return grid;
-  grid.origin = points.rowwise().minCoeff();
-  const float extent = (points.rowwise().maxCoeff() - grid.origin).maxCoeff();
-  if (extent > 0) grid.cell = extent / static_cast<float>((1 << 20) - 1);  // one bit to spare for rounding
-  return grid;
-}
-
 OrderedGraph buildGraph(const std::string& graph, PointsRef points) {
   if (graph == "DT") return {delaunayGraph(points), {}};
   const int number = std::atoi(graph.c_str());

@@ -58,7 +58,7 @@ Table makeIsolated(const Mesh& mesh, const TablesParams& params, const Callbacks
     for (const std::string graph : {"5-NN", "20-NN", "4-pass"}) {
       if (callbacks.cancelled && callbacks.cancelled()) throw Cancelled();
       if (graph != "4-pass" && !hasNearestNeighbors()) continue;
-      const std::string sampling = ratio == 0 ? "uniform" : "scan lines 1 : " + formatNumber(ratio, 0);
+      const std::string sampling = ratio == 0 ? kUniformSampling : "scan lines 1 : " + formatNumber(ratio, 0);
       const LimitedRun run = runLimited(
           [&] {
             Table row{table.header, {}};

@@ -9,6 +9,7 @@
 
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/evaluation/random.hpp"
+#include "cloud_colorizer/zorder.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -53,6 +54,20 @@ std::vector<double> cumulativeArea(const Mesh& mesh) {
     cumulative[static_cast<std::size_t>(f)] = area;
   }
   return cumulative;
+}
+
+SurfaceSamples pick(const SurfaceSamples& samples, const std::vector<std::uint32_t>& indices) {
+  const auto count = static_cast<Eigen::Index>(indices.size());
+  SurfaceSamples picked{Points(3, count), Points(3, count)};
+  for (Eigen::Index k = 0; k < count; ++k) {
+    picked.points.col(k) = samples.points.col(indices[static_cast<std::size_t>(k)]);
+    picked.normals.col(k) = samples.normals.col(indices[static_cast<std::size_t>(k)]);
+  }
+  return picked;
+}
+
+SurfaceSamples inZOrder(const SurfaceSamples& samples) {
+  return pick(samples, zorderSort(zorderKeys(samples.points, gridOf(samples.points)), zorderMask(0)));
 }
 
 }  // namespace
@@ -131,7 +146,7 @@ SurfaceSamples sampleSurface(const Mesh& mesh, std::size_t count, std::uint64_t 
     samples.points.col(static_cast<Eigen::Index>(i)) = point;
     samples.normals.col(static_cast<Eigen::Index>(i)) = normal.stableNormalized();
   }
-  return samples;
+  return inZOrder(samples);
 }
 
 SurfaceSamples sampleScanLines(const Mesh& mesh, std::size_t count, double ratio, std::uint64_t seed) {
@@ -143,18 +158,12 @@ SurfaceSamples sampleScanLines(const Mesh& mesh, std::size_t count, double ratio
   const double apart = std::sqrt(ratio * area / static_cast<double>(std::max<std::size_t>(1, count)));
   const auto candidates = static_cast<std::size_t>(static_cast<double>(count) * ratio / kThickness);
   const SurfaceSamples dense = sampleSurface(mesh, candidates, seed);
-  std::vector<Eigen::Index> chosen;
+  std::vector<std::uint32_t> chosen;
   for (Eigen::Index i = 0; i < dense.points.cols(); ++i) {
     const double line = static_cast<double>(dense.points(2, i)) / apart;
-    if (line - std::floor(line) < kThickness / ratio) chosen.push_back(i);
+    if (line - std::floor(line) < kThickness / ratio) chosen.push_back(static_cast<std::uint32_t>(i));
   }
-  const auto size = static_cast<Eigen::Index>(chosen.size());
-  SurfaceSamples samples{Points(3, size), Points(3, size)};
-  for (Eigen::Index k = 0; k < size; ++k) {
-    samples.points.col(k) = dense.points.col(chosen[static_cast<std::size_t>(k)]);
-    samples.normals.col(k) = dense.normals.col(chosen[static_cast<std::size_t>(k)]);
-  }
-  return samples;
+  return pick(dense, chosen);
 }
 
 }  // namespace cloud_colorizer

@@ -152,9 +152,9 @@ TEST(Solve, CholmodEqualsSpqr) {
   EXPECT_LT(residual.cwiseAbs().maxCoeff(), 1e-9);
 }
 
-TEST(DataWeights, RandomAnchorsDependOnThePositionOnly) {
+TEST(DataWeights, ChunksDrawTheSameRandomAnchors) {
   const Scene scene = makeScene(5000, 10);
-  SystemParams params;
+  const SystemParams params;
   const Fused all = fuseMean(scene.observations);
   Fused half = all;
   half.count = all.count.tail(2500).eval();
@@ -162,9 +162,30 @@ TEST(DataWeights, RandomAnchorsDependOnThePositionOnly) {
   const std::vector<Edge> chain = zorderGraph(scene.points, kGrid, {});
   const auto weights = dataWeights(scene.points, all, chain, params);
   const Points tail = scene.points.rightCols(2500);
-  EXPECT_EQ(dataWeights(tail, half, zorderGraph(tail, kGrid, {}), params), weights.tail(2500));
-  EXPECT_NEAR(static_cast<double>((weights.array() == 1).count()), 500, 70);
+  const auto tail_weights = dataWeights(tail, half, zorderGraph(tail, kGrid, {}), params);
+  EXPECT_EQ(tail_weights.tail(2495), weights.tail(2495));  // those nearer to the border miss points to compare with
   EXPECT_EQ((weights.array() == 1e-3F).count(), 5000 - (weights.array() == 1).count());
+}
+
+TEST(DataWeights, RandomAnchorsAreTheShareAskedForAndSpread) {
+  const Scene scene = makeScene(20000, 10);
+  const Fused data = fuseMean(scene.observations);
+  const std::vector<Edge> chain = zorderGraph(scene.points, kGrid, {});
+  for (const double share : {1.0, 0.75, 0.5, 0.3, 0.1, 0.01}) {
+    SystemParams params;
+    params.anchor_share = share;
+    const auto weights = dataWeights(scene.points, data, chain, params);
+    // Lots drawn point by point would deviate by sqrt(n share (1 - share)); these deviate by less.
+    const double deviation = std::sqrt(20000 * share * (1 - share));
+    EXPECT_NEAR(static_cast<double>((weights.array() == 1).count()), 20000 * share, 2 * deviation) << share;
+    const Index apart = static_cast<Index>(1 / share - 1) / 2 + 1;  // nearer anchors would have compared their lots
+    Index last = -apart;
+    for (Index p = 0; p < weights.size(); ++p) {
+      if (weights(p) != 1) continue;
+      EXPECT_GE(p - last, apart) << share;
+      last = p;
+    }
+  }
 }
 
 TEST(DataWeights, ConsistentAnchorsHaveTheLeastStddev) {

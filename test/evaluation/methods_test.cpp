@@ -113,7 +113,8 @@ TEST(Tables, BarsTellWhatIsMissed) {
   tables.density.add({"m", "1000", "3.1", "3"});
   tables.density.add({"m", "9000", "3", "-"});  // stopped: no bar
   tables.isolated.header = {"sampling", "graph", "unanchored_percent", "plain_aep", "aep"};
-  tables.isolated.add({"uniform", "5-NN", "0.1", "9", "8"});
+  tables.isolated.add({kUniformSampling, "5-NN", "0", "8", "8"});  // no such parts to be expected there
+  tables.isolated.add({"scan lines", "5-NN", "0.1", "9", "8"});
   Table& table2 = tables.table2;
   table2.header = {"graph", "solver", "points", "status", "total_s"};
   table2.add({"4-pass", "CHOLMOD", "1000", "ok", "1"});

@@ -39,8 +39,8 @@ struct SurfaceSamples {
   Points points;   ///< 3 x n
   Points normals;  ///< unit, interpolated
 };
-/// `count` points, independent and uniform by area; the same for the same seed. Throws std::invalid_argument when the
-/// area is zero.
+/// `count` points, independent and uniform by area, in Z-order as a chunk's points are; the same for the same seed.
+/// Throws std::invalid_argument when the area is zero.
 SurfaceSamples sampleSurface(const Mesh& mesh, std::size_t count, std::uint64_t seed);
 
 /// About `count` points in horizontal lines, as a LiDAR samples: the lines are `ratio` times (at least 1) as far apart

@@ -32,9 +32,6 @@ ObservedBed observeBed(const TestBed& bed, const std::vector<Eigen::Isometry3d>&
 /// The true colours of the seen points.
 Values seenTruth(const TestBed& bed, const ObservedBed& observed);
 
-/// A fine grid about the points.
-ZOrderGrid gridOf(PointsRef points);
-
 enum class Unanchored {
   kPlain,    ///< as the equations are: a rank-deficient part has the basic solution, one of its points at zero
   kAnchored  ///< our rule: every part gets an anchor

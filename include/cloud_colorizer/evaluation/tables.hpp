@@ -43,6 +43,8 @@ Table makeTable2(const Mesh& mesh, const TablesParams& params, const Callbacks& 
 /// microseconds a point at both, and x of "time ~ points^x" between them.
 Table growthOf(const Table& table2);
 
+constexpr char kUniformSampling[] = "uniform";  ///< in the column "sampling"
+
 /// Graphs on points sampled uniformly and in scan lines: number of parts, share of the points in parts without an
 /// anchor, and the AEP with such parts left as the equations leave them, and with our rule.
 Table makeIsolated(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks);
