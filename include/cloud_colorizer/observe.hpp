@@ -41,8 +41,8 @@ struct Observations {
   std::vector<std::uint32_t> offsets;  ///< n + 1
   std::vector<std::uint32_t> views;    ///< view ids
   std::vector<float> distances;        ///< m, from the camera centre to the point
-  std::vector<float> weights;  ///< 0 to 1, quality of the observation; small at a depth edge and where saturated
-  Values values;               ///< m x number of observations, exposure applied
+  std::vector<float> weights;          ///< 0 to 1, quality of the observation; small where saturated
+  Values values;                       ///< m x number of observations, exposure applied
 
   std::size_t numPoints() const { return offsets.empty() ? 0 : offsets.size() - 1; }
   std::size_t numObservations() const { return views.size(); }

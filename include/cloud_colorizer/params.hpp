@@ -89,7 +89,7 @@ void visitParams(ParamsT& p, F&& f) {
   f("num_neighbors", p.surfels.num_neighbors, "points that give a surfel's normal and radius");
   f("depth_cell_size", p.depth.depth_cell_size, "px of the image to a cell of the depth image");
   f("depth_tolerance", p.depth.depth_tolerance, "share of the depth by which a visible point may lie behind");
-  f("depth_edge_guard", p.depth.depth_edge_guard, "px beside a depth edge where a view counts little");
+  f("depth_edge_guard", p.depth.depth_edge_guard, "px beside a depth edge, used only where no view sees better");
   f("clear_radius", p.depth.clear_radius,
     "m around the places of the cameras that were free: points there hide nothing");
   f("use_scans", p.depth.use_scans, "what the scan of a view's moment saw through hides nothing and is not coloured");

@@ -12,7 +12,6 @@
 namespace cloud_colorizer {
 namespace {
 
-constexpr float kEdgeWeight = 0.05F;
 constexpr float kSaturatedWeight = 0.05F;  // the true value is unknown, only that it is brighter
 constexpr float kFullWeightBorder = 20;    // px from the usable border to where an observation counts fully
 constexpr std::uint32_t kBlock = 4;        // slots that a point's list grows by
@@ -268,7 +267,6 @@ class Looker {
     ++(edge ? stats.edge : stats.seen);
     const float distance = point.norm();
     float quality = view_.weight * weight(point, normal, radius, distance, margin);
-    if (edge) quality *= kEdgeWeight;
     if (saturated_) quality *= kSaturatedWeight;
     best.add(i, {view_.id, distance, quality}, values_.data(), edge);
     return Unseen::kSeen;
