@@ -25,6 +25,20 @@ Eigen::Isometry3d correction(const View& view, const Eigen::Isometry3d& correcte
   return view.map_from_camera.inverse() * corrected;
 }
 
+/// The mean of the views' motions in the map, taken at the mean of their centres.
+Eigen::Isometry3d commonMotion(const std::vector<View>& views, const std::vector<Eigen::Isometry3d>& corrected) {
+  if (views.empty()) return Eigen::Isometry3d::Identity();
+  const auto count = static_cast<double>(views.size());
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const View& view : views) centre += view.map_from_camera.translation() / count;
+  alignment::Twist mean = alignment::Twist::Zero();
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const Eigen::Isometry3d moved = corrected[v] * views[v].map_from_camera.inverse();
+    mean += alignment::twistOf(Eigen::Translation3d(-centre) * moved * Eigen::Translation3d(centre)) / count;
+  }
+  return Eigen::Translation3d(centre) * alignment::motion(mean) * Eigen::Translation3d(-centre);
+}
+
 }  // namespace
 
 Eigen::Isometry3d poseOnTrajectory(const View& view, const std::vector<View>& views,
@@ -32,7 +46,7 @@ Eigen::Isometry3d poseOnTrajectory(const View& view, const std::vector<View>& vi
   std::size_t before = neighbor(view, views, true), after = neighbor(view, views, false);
   if (before == views.size()) before = after;
   if (after == views.size()) after = before;
-  if (before == views.size()) return view.map_from_camera;
+  if (before == views.size()) return commonMotion(views, corrected) * view.map_from_camera;
   const Eigen::Isometry3d a = correction(views[before], corrected[before]);
   const Eigen::Isometry3d b = correction(views[after], corrected[after]);
   const double span = views[after].stamp - views[before].stamp;

@@ -32,11 +32,17 @@ TEST(Trajectory, CorrectionIsThatOfTheNeighboursInTime) {
   EXPECT_TRUE(poseOnTrajectory(exact, views, corrected).isApprox(shifted(exact, 0.3), 1e-9));
 }
 
-TEST(Trajectory, FarOrMissingNeighboursTellNothing) {
-  const std::vector<View> views = {viewAt(0), viewAt(3, 1)};
-  const std::vector<Eigen::Isometry3d> corrected = {shifted(views[0], 1), shifted(views[1], 1)};
-  const View lonely = viewAt(3);
-  EXPECT_TRUE(poseOnTrajectory(lonely, views, corrected).isApprox(lonely.map_from_camera));
+TEST(Trajectory, WithoutNeighboursAViewMovesWithTheMap) {
+  const std::vector<View> views = {viewAt(0), viewAt(3, 1), viewAt(9)};
+  const Eigen::Isometry3d motion =
+      Eigen::Translation3d(0.1, -0.2, 0.3) * Eigen::AngleAxisd(0.001, Eigen::Vector3d(1, 2, 2).normalized());
+  std::vector<Eigen::Isometry3d> corrected;
+  for (const View& view : views) corrected.push_back(motion * view.map_from_camera);
+  const View lonely = viewAt(5);
+  const Eigen::Isometry3d moved = poseOnTrajectory(lonely, views, corrected);
+  EXPECT_TRUE(moved.isApprox(motion * lonely.map_from_camera, 1e-6)) << moved.matrix();
+  corrected[0].translation().x() += 0.3, corrected[2].translation().x() -= 0.3;  // what they have not in common
+  EXPECT_TRUE(poseOnTrajectory(lonely, views, corrected).isApprox(moved, 1e-9));
   EXPECT_TRUE(poseOnTrajectory(lonely, {}, {}).isApprox(lonely.map_from_camera));
 }
 
