@@ -25,9 +25,9 @@ enum class AlignPoses { kNone, kCameras, kViews };
 /// A prior is the standard deviation of an error that is expected: a correction must pay for its size.
 struct AlignmentParams {
   bool align_exposure = true;  ///< a gain for every view and channel
-  bool align_vignetting =
-      false;  ///< and a darkening outwards for every camera. Not by default: to a camera that drives
-              ///< ahead, points move outwards as they come near, and their sheen looks like it
+  /// And a darkening outwards for every camera. Not by default: to a camera that drives ahead, points move outwards as
+  /// they come near, and their sheen looks like it.
+  bool align_vignetting = false;
   AlignPoses align_poses = AlignPoses::kViews;
   bool align_time_offset = false;          ///< apply the time offset of each camera, not only report it
   bool align_to_intensity = true;          ///< tie the images to the LiDAR intensity where the cloud has it

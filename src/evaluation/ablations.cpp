@@ -16,6 +16,8 @@ namespace {
 
 using Eigen::Index;
 
+constexpr std::size_t kNumRows = 92;  // 46 with each kind of noise
+
 /// The paper's method with every parameter free (the preset `paper` fixes some of them).
 Values solvePaper(PointsRef points, const Observations& observations, const ZOrderGrid& grid, const Params& params) {
   return solveValues(points, observations, fuseMean(observations), grid, params.graph, params.system);
@@ -75,7 +77,7 @@ class Ablations {
   void report(const std::vector<std::string>& row) {
     if (callbacks_.cancelled && callbacks_.cancelled()) throw Cancelled();
     table_.add(row);
-    if (callbacks_.progress) callbacks_.progress({"ablations", table_.rows.size(), 88, 0, -1});
+    if (callbacks_.progress) callbacks_.progress({"ablations", table_.rows.size(), kNumRows, 0, -1});
   }
 
   void solve(const std::string& what, const std::string& value, const Params& params, const ObservedBed& observed) {
