@@ -31,13 +31,14 @@ void anchorRandom(PointsRef points, const Fused& fused, double share, Eigen::Vec
   for (std::size_t p = 0; p < lots.size(); ++p) lots[p] = unitHash(points.col(static_cast<Index>(p)));
   // One of n is the least of n. If 1 / share is no whole number, so many points look at n others that, with n + 1 for
   // the rest, the share is right on average.
-  const double narrow = std::floor((1 + 1e-9) / share);
-  const double share_narrow = share * narrow * (narrow + 1) - narrow;
+  const double all = 2 * static_cast<double>(lots.size()) + 1;  // others around the first or the last
+  const auto narrow = static_cast<std::size_t>(std::min(all, (1 + 1e-9) / share));
+  const double share_narrow = static_cast<double>(narrow) * (share * static_cast<double>(narrow + 1) - 1);
   for (std::size_t p = 0; p < lots.size(); ++p) {
-    const double second_lot = std::fmod(lots[p] * 0x1p24, 1.0);
-    const auto window = static_cast<std::size_t>(second_lot < share_narrow ? narrow : narrow + 1);
     const auto node = static_cast<Index>(p);
-    if (fused.count(node) > 0 && isLeast(lots, p, window)) weights(node) = 1;
+    if (fused.count(node) == 0 || !isLeast(lots, p, narrow)) continue;
+    const double second_lot = std::fmod(lots[p] * 0x1p24, 1.0);
+    if (second_lot < share_narrow || isLeast(lots, p, narrow + 1)) weights(node) = 1;
   }
 }
 

@@ -188,6 +188,17 @@ TEST(DataWeights, RandomAnchorsAreTheShareAskedForAndSpread) {
   }
 }
 
+TEST(DataWeights, ATinyShareIsOneAnchorAndNoneIsOneForTheComponent) {
+  const Scene scene = makeScene(1000, 10);
+  const Fused data = fuseMean(scene.observations);
+  for (const double share : {0.0, 1e-300, 1e-9}) {
+    SystemParams params;
+    params.anchor_share = share;
+    const auto weights = dataWeights(scene.points, data, zorderGraph(scene.points, kGrid, {}), params);
+    EXPECT_EQ((weights.array() == 1).count(), 1) << share;
+  }
+}
+
 TEST(DataWeights, ConsistentAnchorsHaveTheLeastStddev) {
   const Scene scene = makeScene(1000, 10);
   const Fused data = fuseMean(scene.observations);
