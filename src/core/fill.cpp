@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "columns.hpp"
+#include "cloud_colorizer/columns.hpp"
 #include "kdtree.hpp"
 #include "stages.hpp"
 

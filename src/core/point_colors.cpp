@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "cloud_colorizer/columns.hpp"
 #include "cloud_colorizer/solve.hpp"
-#include "columns.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <vector>
 
+#include "cloud_colorizer/columns.hpp"
 #include "cloud_colorizer/surfels.hpp"
 #include "cloud_colorizer/types.hpp"
-#include "columns.hpp"
 
 namespace cloud_colorizer {
 

@@ -42,7 +42,8 @@ ZOrderGrid gridOf(PointsRef points, int bits) {
   if (points.cols() == 0) return grid;
   grid.origin = points.rowwise().minCoeff();
   const float extent = (points.rowwise().maxCoeff() - grid.origin).maxCoeff();
-  if (extent > 0) grid.cell = extent / static_cast<float>((1 << bits) - 1);
+  const float cell = extent / static_cast<float>((1 << bits) - 1);
+  if (extent > 0) grid.cell = std::max(std::numeric_limits<float>::min(), cell);  // that of a tiny extent is 0
   return grid;
 }
 

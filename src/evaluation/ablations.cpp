@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/columns.hpp"
 #include "cloud_colorizer/evaluation/tables.hpp"
 #include "cloud_colorizer/point_colors.hpp"
 #include "cloud_colorizer/stop_watch.hpp"
@@ -163,11 +164,7 @@ class Ablations {
     }
     if (core.empty()) return;
     const Observations part = rowsOf(observed_.observations, members);
-    Points points(3, static_cast<Index>(members.size()));
-    for (std::size_t k = 0; k < members.size(); ++k) {
-      points.col(static_cast<Index>(k)) = observed_.points.col(members[k]);
-    }
-    const Values solved = solvePaper(points, part, grid, paper_);
+    const Values solved = solvePaper(gatherColumns(observed_.points, members), part, grid, paper_);
     for (const Index k : core) values.col(members[static_cast<std::size_t>(k)]) = solved.col(k);
   }
 
@@ -185,10 +182,7 @@ class Ablations {
       }
       part.offsets.push_back(static_cast<std::uint32_t>(columns.size()));
     }
-    part.values.resize(all.values.rows(), static_cast<Index>(columns.size()));
-    for (std::size_t k = 0; k < columns.size(); ++k) {
-      part.values.col(static_cast<Index>(k)) = all.values.col(columns[k]);
-    }
+    part.values = gatherColumns(all.values, columns);
     return part;
   }
 

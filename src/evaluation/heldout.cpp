@@ -9,6 +9,7 @@
 
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/colorize.hpp"
+#include "cloud_colorizer/columns.hpp"
 #include "cloud_colorizer/evaluation/clouds.hpp"
 #include "cloud_colorizer/evaluation/refine_pose.hpp"
 #include "cloud_colorizer/evaluation/score.hpp"
@@ -128,10 +129,7 @@ struct Errors {
 
 /// The map's colours at the points of an image, brought to the image's exposure by one gain a channel.
 Values predict(const ColoredMap& map, const SeenImage& seen, bool with_gain) {
-  Values predicted(3, seen.values.cols());
-  for (std::size_t k = 0; k < seen.points.size(); ++k) {
-    predicted.col(static_cast<Index>(k)) = map.colors.col(seen.points[k]);
-  }
+  Values predicted = gatherColumns(map.colors, seen.points);
   if (!with_gain) return predicted;
   for (int c = 0; c < 3; ++c) {
     std::vector<float> image, colors;
@@ -217,13 +215,7 @@ Eigen::Isometry3d refinedPose(const ColoredMap& map, const SeenImage& seen, cons
   for (const Index p : seen.points) {
     if (map.colored[static_cast<std::size_t>(p)] != 0) colored.push_back(p);
   }
-  Points points(3, static_cast<Index>(colored.size()));
-  Values colors(3, points.cols());
-  for (std::size_t k = 0; k < colored.size(); ++k) {
-    points.col(static_cast<Index>(k)) = map.points.col(colored[k]);
-    colors.col(static_cast<Index>(k)) = map.colors.col(colored[k]);
-  }
-  return refinePose(points, colors, camera, image, start);
+  return refinePose(gatherColumns(map.points, colored), gatherColumns(map.colors, colored), camera, image, start);
 }
 
 double mean(const std::vector<float>& values) {

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/columns.hpp"
 #include "cloud_colorizer/evaluation/random.hpp"
 #include "cloud_colorizer/zorder.hpp"
 
@@ -56,18 +57,13 @@ std::vector<double> cumulativeArea(const Mesh& mesh) {
   return cumulative;
 }
 
-SurfaceSamples pick(const SurfaceSamples& samples, const std::vector<std::uint32_t>& indices) {
-  const auto count = static_cast<Eigen::Index>(indices.size());
-  SurfaceSamples picked{Points(3, count), Points(3, count)};
-  for (Eigen::Index k = 0; k < count; ++k) {
-    picked.points.col(k) = samples.points.col(indices[static_cast<std::size_t>(k)]);
-    picked.normals.col(k) = samples.normals.col(indices[static_cast<std::size_t>(k)]);
-  }
-  return picked;
+SurfaceSamples pick(const SurfaceSamples& samples, const std::vector<Eigen::Index>& indices) {
+  return {gatherColumns(samples.points, indices), gatherColumns(samples.normals, indices)};
 }
 
 SurfaceSamples inZOrder(const SurfaceSamples& samples) {
-  return pick(samples, zorderSort(zorderKeys(samples.points, gridOf(samples.points)), zorderMask(0)));
+  const auto order = zorderSort(zorderKeys(samples.points, gridOf(samples.points)), zorderMask(0));
+  return pick(samples, {order.begin(), order.end()});
 }
 
 }  // namespace
@@ -158,10 +154,10 @@ SurfaceSamples sampleScanLines(const Mesh& mesh, std::size_t count, double ratio
   const double apart = std::sqrt(ratio * area / static_cast<double>(std::max<std::size_t>(1, count)));
   const auto candidates = static_cast<std::size_t>(static_cast<double>(count) * ratio / kThickness);
   const SurfaceSamples dense = sampleSurface(mesh, candidates, seed);
-  std::vector<std::uint32_t> chosen;
+  std::vector<Eigen::Index> chosen;
   for (Eigen::Index i = 0; i < dense.points.cols(); ++i) {
     const double line = static_cast<double>(dense.points(2, i)) / apart;
-    if (line - std::floor(line) < kThickness / ratio) chosen.push_back(static_cast<std::uint32_t>(i));
+    if (line - std::floor(line) < kThickness / ratio) chosen.push_back(i);
   }
   return pick(dense, chosen);
 }

@@ -6,6 +6,7 @@
 
 #include "cloud_colorizer/alignment.hpp"
 #include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/columns.hpp"
 #include "cloud_colorizer/parallel.hpp"
 #include "cloud_colorizer/point_colors.hpp"
 #include "cloud_colorizer/stop_watch.hpp"
@@ -34,10 +35,7 @@ ObservedBed seenOnly(const TestBed& bed, ObserveResult result) {
   }
   rows.offsets = std::move(offsets);
   observed.observations = std::move(rows);
-  observed.points.resize(3, static_cast<Index>(observed.seen.size()));
-  for (std::size_t k = 0; k < observed.seen.size(); ++k) {
-    observed.points.col(static_cast<Index>(k)) = bed.points.col(observed.seen[k]);
-  }
+  observed.points = gatherColumns(bed.points, observed.seen);
   return observed;
 }
 
@@ -165,11 +163,7 @@ ObservedBed observeBed(const TestBed& bed, const std::vector<Eigen::Isometry3d>&
 }
 
 Values seenTruth(const TestBed& bed, const ObservedBed& observed) {
-  Values truth(3, observed.points.cols());
-  for (std::size_t k = 0; k < observed.seen.size(); ++k) {
-    truth.col(static_cast<Index>(k)) = bed.truth.col(observed.seen[k]);
-  }
-  return truth;
+  return gatherColumns(bed.truth, observed.seen);
 }
 
 std::vector<std::string> methodNames() {

@@ -46,6 +46,21 @@ TEST(Zorder, OriginAndCellAreUsed) {
   EXPECT_EQ(zorderKeys(point, {Eigen::Vector3f(-10, 20, 2), 0.25F}).at(0), interleave({1, 1, 4}));
 }
 
+TEST(Zorder, GridOfThePointsHoldsThem) {
+  for (const float extent : {1e-44F, 1e-30F, 1.F, 1e30F}) {
+    for (const int bits : {1, 10, 20}) {
+      const Points points = extent * (Points(3, 3) << 0, 1, 0.5F, 0, 0, -0.5F, 0.1F, 0.2F, 0.3F).finished();
+      const ZOrderGrid grid = gridOf(points, bits);
+      const auto keys = zorderKeys(points, grid);  // throws if one lies outside
+      EXPECT_LT(*std::max_element(keys.begin(), keys.end()), std::uint64_t{1} << 3 * (bits + 1)) << extent;
+    }
+  }
+  EXPECT_EQ(zorderKeys(Points::Ones(3, 2), gridOf(Points::Ones(3, 2))), (std::vector<std::uint64_t>{0, 0}));
+  EXPECT_GT(gridOf(Points(3, 0)).cell, 0);
+  EXPECT_THROW(gridOf(Points::Ones(3, 2), 0), std::invalid_argument);
+  EXPECT_THROW(gridOf(Points::Ones(3, 2), 21), std::invalid_argument);
+}
+
 TEST(Zorder, PassSortsTheMirroredCoordinates) {
   std::mt19937 random(2);
   std::vector<std::uint64_t> keys;
