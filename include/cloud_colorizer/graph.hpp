@@ -12,9 +12,16 @@
 
 namespace cloud_colorizer {
 
+/// kOwn: the passes have a grid each, mirrored and shifted (shiftedKeys). Edges cross the borders of each other's
+/// blocks, so differences of exposure spread further over the surface; solved by conjugate gradients. kShared: the
+/// passes mirror one grid, as if the paper's cube had a power of two cells. All have the same blocks, which few edges
+/// leave: nearly one-dimensional, so that a factorisation is cheap and exact.
+enum class PassGrids { kOwn, kShared };
+
 struct GraphParams {
   int passes = 4;                ///< 1 to 4 Z-order passes
   double edge_length_ratio = 0;  ///< edges longer than this many local spacings count less; 0: all count alike
+  PassGrids grids = PassGrids::kOwn;
 
   void check() const;
 };
@@ -27,18 +34,13 @@ struct Edge {
 /// Links of neighbours in the Z-orders of params.passes passes, each edge once, ascending by (p, q).
 /// With an edge_length_ratio L, an edge of length l at local spacing s has weight min(1, (L s / l)^2), at least 1e-6,
 /// so that the graph stays connected. s is the mean over the edge's two ends of the median length of the end's edges
-/// (the shorter of two middle ones), at least grid.cell.
-///
-/// All passes at once in O(n) after one sort: a block of the grid's binary tree is one run of points in every pass, so
-/// only where a pass enters and leaves it matters. Two points meet in one block only, so duplicates are local to it.
+/// (the shorter of two middle ones), at least grid.cell. O(n).
 std::vector<Edge> zorderGraph(PointsRef points, const ZOrderGrid& grid, const GraphParams& params);
 
-/// The same graph, and an order of elimination for its matrix that costs nothing: points by the block that their last
-/// edge is in, inner blocks first. A pass enters and leaves a block once, so at most 8 points of a block have edges out
-/// of it, and the factor has few entries a point whatever n is; no search for an ordering (AMD) is needed.
+/// The same graph, and for shared grids an order of elimination with which the factor of its matrix has few entries.
 struct OrderedGraph {
   std::vector<Edge> edges;
-  std::vector<int> elimination_order;  ///< every point once, first to be eliminated first
+  std::vector<int> elimination_order;  ///< every point once, first to be eliminated first; empty: none is known
 };
 OrderedGraph orderedZorderGraph(PointsRef points, const ZOrderGrid& grid, const GraphParams& params);
 

@@ -55,6 +55,7 @@ std::vector<std::string> enumNames(Method);
 std::vector<std::string> enumNames(Uncolored);
 std::vector<std::string> enumNames(SolverKind);
 std::vector<std::string> enumNames(AnchorKind);
+std::vector<std::string> enumNames(PassGrids);
 std::vector<std::string> enumNames(AlignPoses);
 
 template <class AlignmentParamsT, class F>
@@ -98,6 +99,7 @@ void visitParams(ParamsT& p, F&& f) {
   f("max_views", p.observe.max_views, "a point keeps its best views up to this number");
   f("image_border", p.observe.image_border, "px at the border of an image that are not used");
   f("passes", p.graph.passes, "1 to 4 Z-order passes");
+  f("pass_grids", p.graph.grids, "own grid of each pass, or shared: mirrored, blocks alike; suits solver cholmod");
   f("edge_length_ratio", p.graph.edge_length_ratio, "local spacings beyond which an edge counts less; 0: all alike");
   f("lambda", p.system.lambda, "weight of the gradients against the data, eq. (1)");
   f("anchors", p.system.anchors, "random or consistent: which points are held to their data");
@@ -105,7 +107,7 @@ void visitParams(ParamsT& p, F&& f) {
   f("gradient_distance", p.system.gradient_distance, "m; views within it give gradients, eq. (4); 0: all");
   f("min_data_weight", p.system.min_data_weight, "data weight of the points that are no anchors");
   f("no_evidence_weight", p.system.no_evidence_weight, "weight of edges that no view sees whole; 0 drops them");
-  f("solver", p.system.solver, "cholmod or spqr");
+  f("solver", p.system.solver, "cg (conjugate gradients), cholmod or spqr (factorisations)");
   f("exposure_range", p.tone.exposure_range, "factor that a place's brightness may differ from what its cameras saw");
   f("max_chunk_points", p.chunks.max_chunk_points, "points of a chunk's core");
   f("overlap", p.chunks.overlap, "halo of a chunk as a share of its side");

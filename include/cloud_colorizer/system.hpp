@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "cloud_colorizer/factorization.hpp"
 #include "cloud_colorizer/fuse.hpp"
 #include "cloud_colorizer/graph.hpp"
+#include "cloud_colorizer/linear_solver.hpp"
 #include "cloud_colorizer/observe.hpp"
 #include "cloud_colorizer/types.hpp"
 
@@ -25,7 +25,7 @@ struct SystemParams {
   double gradient_distance = 0;              ///< m; U(p) of eq. (4): views within this distance; 0: all views
   double min_data_weight = 1e-3;             ///< a_p of every other seen point, against drift; 0 as in the paper
   double no_evidence_weight = 0.01;          ///< weight of an edge with no view in common; 0 drops it
-  SolverKind solver = SolverKind::kCholmod;
+  SolverKind solver = SolverKind::kConjugateGradients;
 
   void check() const;
 };

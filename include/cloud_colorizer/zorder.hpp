@@ -31,6 +31,12 @@ std::vector<std::uint64_t> zorderKeys(PointsRef points, const ZOrderGrid& grid);
 constexpr int kMaxPasses = 4;
 std::uint64_t zorderMask(int pass);
 
+/// Keys on the grid of one pass: pass / 5 of 2^20 cells further along every axis (modulo 2^21). What lies at the border
+/// of a block, of whatever size, in one pass lies well inside of its block in another: T. M. Chan, "Approximate nearest
+/// neighbor queries revisited", Discrete & Computational Geometry 20, 1998. Points in a cube of 2^20 cells, as gridOf
+/// makes it, stay together. Throws std::invalid_argument for another pass.
+std::vector<std::uint64_t> shiftedKeys(const std::vector<std::uint64_t>& keys, int pass);
+
 /// Indices by ascending `key ^ mask`; equal keys by ascending index. O(n): a radix sort over the bytes that differ.
 std::vector<std::uint32_t> zorderSort(const std::vector<std::uint64_t>& keys, std::uint64_t mask);
 

@@ -3,113 +3,37 @@
 #include "cloud_colorizer/graph.hpp"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <numeric>
-#include <utility>
 
 #include "cloud_colorizer/check.hpp"
+#include "pass_links.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
 constexpr double kMinEdgeWeight = 1e-6;
 
-using Link = std::pair<std::uint32_t, std::uint32_t>;  // first < second
-
-/// A block of the grid's binary tree: the points at which each pass enters and leaves it.
-struct Block {
-  std::array<std::uint32_t, kMaxPasses> first, last;
-  int split = 0;  // highest bit in which the keys of this block and of the next one on the stack differ
-
-  explicit Block(std::uint32_t point) {
-    first.fill(point);
-    last.fill(point);
-  }
-};
-
-/// Highest bit in which two keys differ, -1 if none.
-int splitBit(std::uint64_t a, std::uint64_t b) {
-  return a == b ? -1 : 63 - __builtin_clzll(a ^ b);
-}
-
-class BlockLinker {
- public:
-  explicit BlockLinker(int passes) : passes_(passes) {
-    for (int pass = 0; pass < passes; ++pass) masks_[pass] = zorderMask(pass);
-  }
-
-  /// Joins `low` and `high`, that differ in bit low.split, and links them once in every pass.
-  void join(Block& low, const Block& high, std::vector<Link>& links) const {
-    const std::size_t begin = links.size();
-    for (int pass = 0; pass < passes_; ++pass) {
-      // A pass that mirrors this bit's axis visits the high half before the low one; equal keys keep their order.
-      const bool mirrored = low.split >= 0 && (masks_[pass] >> low.split & 1) != 0;
-      const std::uint32_t a = mirrored ? high.last[pass] : low.last[pass];
-      const std::uint32_t b = mirrored ? low.first[pass] : high.first[pass];
-      const Link link(std::min(a, b), std::max(a, b));
-      if (std::find(links.begin() + begin, links.end(), link) == links.end()) links.push_back(link);
-      (mirrored ? low.first : low.last)[pass] = (mirrored ? high.first : high.last)[pass];
-    }
-    low.split = high.split;
-  }
-
- private:
-  int passes_;
-  std::array<std::uint64_t, kMaxPasses> masks_{};
-};
-
-/// Unique links of all passes, those inside of a block before those out of it.
-std::vector<Link> passLinks(const std::vector<std::uint64_t>& keys, int passes) {
-  const std::vector<std::uint32_t> order = zorderSort(keys, 0);
-  const BlockLinker linker(passes);
-  std::vector<Link> links;
-  links.reserve(keys.size() * (passes == 1 ? 1 : 2));
-  std::vector<Block> stack;  // splits descend from the bottom, so it holds 64 blocks at most
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    stack.emplace_back(order[i]);
-    stack.back().split = i + 1 < order.size() ? splitBit(keys[order[i]], keys[order[i + 1]]) : 64;
-    while (stack.size() > 1 && stack[stack.size() - 2].split <= stack.back().split) {
-      linker.join(stack[stack.size() - 2], stack.back(), links);
-      stack.pop_back();
-    }
-  }
-  return links;
-}
-
-/// Points by their last link: from the back, every point that is new.
-std::vector<int> orderByLastLink(std::size_t num_points, const std::vector<Link>& links) {
-  std::vector<int> order(num_points);
-  std::vector<std::uint8_t> placed(num_points, 0);
-  std::size_t end = num_points;
-  const auto place = [&](std::uint32_t point) {
-    if (placed[point]) return;
-    placed[point] = 1;
-    order[--end] = static_cast<int>(point);
-  };
-  for (auto link = links.rbegin(); link != links.rend(); ++link) {
-    place(link->first);
-    place(link->second);
-  }
-  for (std::uint32_t point = 0; end > 0; ++point) place(point);  // one point alone has no link
-  return order;
-}
-
 /// Running sums in place: counts in offsets[i + 1] become starts in offsets[i].
 void countsToOffsets(std::vector<std::uint32_t>& offsets) {
   std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
 }
 
+/// The links as edges, each once.
 std::vector<Edge> sortedEdges(std::size_t num_points, const std::vector<Link>& links) {
   std::vector<std::uint32_t> offsets(num_points + 1, 0), seconds(links.size());
   for (const Link& link : links) ++offsets[link.first + 1];
   countsToOffsets(offsets);
   std::vector<std::uint32_t> next(offsets.begin(), offsets.end() - 1);
   for (const Link& link : links) seconds[next[link.first]++] = link.second;
-  std::vector<Edge> edges(links.size());
+  std::vector<Edge> edges;
+  edges.reserve(links.size());
   for (std::uint32_t p = 0; p < num_points; ++p) {
-    std::sort(seconds.begin() + offsets[p], seconds.begin() + offsets[p + 1]);
-    for (std::uint32_t e = offsets[p]; e < offsets[p + 1]; ++e) edges[e] = {p, seconds[e], 1.0F};
+    const auto begin = seconds.begin() + offsets[p], end = seconds.begin() + offsets[p + 1];
+    std::sort(begin, end);
+    for (auto q = begin; q != end; ++q) {
+      if (q == begin || *q != *(q - 1)) edges.push_back({p, *q, 1.0F});
+    }
   }
   return edges;
 }
@@ -159,8 +83,10 @@ OrderedGraph orderedZorderGraph(PointsRef points, const ZOrderGrid& grid, const 
   require<std::out_of_range>(points.cols() <= std::numeric_limits<int>::max(), points.cols(),
                              " points exceed 32-bit indices; use smaller chunks");
   const std::vector<std::uint64_t> keys = zorderKeys(points, grid);
-  const std::vector<Link> links = passLinks(keys, params.passes);
-  OrderedGraph graph{sortedEdges(keys.size(), links), orderByLastLink(keys.size(), links)};
+  const bool shared = params.grids == PassGrids::kShared;
+  const std::vector<Link> links = (shared ? sharedGridLinks : ownGridLinks)(keys, params.passes);
+  OrderedGraph graph{sortedEdges(keys.size(), links), {}};
+  if (shared) graph.elimination_order = orderByLastLink(keys.size(), links);
   if (params.edge_length_ratio > 0) weighByLength(points, grid.cell, params.edge_length_ratio, graph.edges);
   return graph;
 }

@@ -85,7 +85,10 @@ std::vector<std::string> enumNames(Uncolored) {
   return {"keep", "drop", "fill"};
 }
 std::vector<std::string> enumNames(SolverKind) {
-  return {"cholmod", "spqr"};
+  return {"cg", "cholmod", "spqr"};
+}
+std::vector<std::string> enumNames(PassGrids) {
+  return {"own", "shared"};
 }
 std::vector<std::string> enumNames(AnchorKind) {
   return {"random", "consistent"};

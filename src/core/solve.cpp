@@ -43,9 +43,10 @@ Solution solveWithStatistics(PointsRef points, const Observations& observations,
   solution.seconds.assembly = watch.lap();
   edges = {};  // the factor is the largest object of all; make room for it
   gradients = {};
-  const Factorization factorization(system.matrix, system_params.solver, graph.elimination_order);
+  const LinearSolver solver(system.matrix, system_params.solver, graph.elimination_order);
   solution.seconds.factor = watch.lap();
-  solution.values = factorization.solve(system.rhs).transpose().cast<float>();
+  const Eigen::MatrixXd guess = data.values.transpose().cast<double>();
+  solution.values = solver.solve(system.rhs, guess).transpose().cast<float>();
   solution.seconds.solve = watch.lap();
   return solution;
 }

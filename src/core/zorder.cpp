@@ -65,6 +65,19 @@ std::uint64_t zorderMask(int pass) {
   return pass == 0 ? 0 : spreadBits(kAxisMax) << (pass - 1);
 }
 
+std::vector<std::uint64_t> shiftedKeys(const std::vector<std::uint64_t>& keys, int pass) {
+  requireInRange("passes", pass, 0, kMaxPasses - 1);
+  const std::uint64_t cells =
+      (std::uint64_t{1} << (kZOrderBits - 1)) / (kMaxPasses + 1) * static_cast<std::uint64_t>(pass);
+  std::vector<std::uint64_t> shifted(keys.size(), 0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::uint64_t bits = spreadBits(kAxisMax) << axis, shift = spreadBits(cells) << axis;
+    // With ones in between, a carry reaches the axis' next bit.
+    for (std::size_t i = 0; i < keys.size(); ++i) shifted[i] |= ((keys[i] | ~bits) + shift) & bits;
+  }
+  return shifted;
+}
+
 std::vector<std::uint32_t> zorderSort(const std::vector<std::uint64_t>& keys, std::uint64_t mask) {
   require<std::out_of_range>(keys.size() <= std::numeric_limits<std::uint32_t>::max(), keys.size(),
                              " points exceed the 32-bit indices; use smaller chunks");

@@ -54,10 +54,13 @@ OrderedGraph buildGraph(const std::string& graph, PointsRef points) {
   if (graph == "DT") return {delaunayGraph(points), {}};
   const int number = std::atoi(graph.c_str());
   if (endsWith(graph, "-NN") && number > 0) return {knnGraph(points, number), {}};
-  require<std::invalid_argument>(endsWith(graph, "-pass") && number > 0, "unknown graph '", graph,
-                                 "'; known are 1-pass to 4-pass, 5-NN, 20-NN (any number) and DT");
+  const bool shared = endsWith(graph, "-pass shared");
+  require<std::invalid_argument>((endsWith(graph, "-pass") || shared) && number > 0, "unknown graph '", graph,
+                                 "'; known are 1-pass to 4-pass, 1-pass shared to 4-pass shared, 5-NN, 20-NN (any "
+                                 "number) and DT");
   GraphParams params;
   params.passes = number;
+  params.grids = shared ? PassGrids::kShared : PassGrids::kOwn;
   params.check();
   return orderedZorderGraph(points, gridOf(points), params);
 }
@@ -92,9 +95,10 @@ GraphSolution solveOnGraph(const std::string& graph, PointsRef points, const Obs
   solution.seconds.assembly = watch.lap();
   edges = {};
   gradients = {};
-  const Factorization factorization(system.matrix, params.solver, ordered.elimination_order);
+  const LinearSolver solver(system.matrix, params.solver, ordered.elimination_order);
   solution.seconds.factor = watch.lap();
-  solution.values = factorization.solve(system.rhs).transpose().cast<float>();
+  const Eigen::MatrixXd guess = data.values.transpose().cast<double>();
+  solution.values = solver.solve(system.rhs, guess).transpose().cast<float>();
   solution.seconds.solve = watch.lap();
   return solution;
 }

@@ -167,8 +167,8 @@ Values seenTruth(const TestBed& bed, const ObservedBed& observed) {
 }
 
 std::vector<std::string> methodNames() {
-  return {"closest",  "mean", "median", "5-NN plain", "5-NN",   "20-NN plain", "20-NN",
-          "DT plain", "DT",   "1-pass", "2-pass",     "3-pass", "4-pass",      "default"};
+  return {"closest", "mean",   "median", "5-NN plain", "5-NN",   "20-NN plain",   "20-NN",  "DT plain",
+          "DT",      "1-pass", "2-pass", "3-pass",     "4-pass", "4-pass shared", "default"};
 }
 
 MethodResult colorizeArrays(const TestBed& bed, const ObservedBed& observed, const std::string& method,

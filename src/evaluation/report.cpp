@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
@@ -166,17 +167,20 @@ void plotErrors(const std::string& directory, const Table& table1, std::vector<s
 void plotTimes(const std::string& directory, const Table& table2, std::vector<std::string>& messages) {
   const Table times = timeBySize(table2);
   writeText(directory + "/time_by_size.csv", csv(times));
-  // CHOLMOD in full lines, SuiteSparseQR in dashes; a colour a graph.
+  // A colour a graph, a kind of line a solver.
+  static const std::map<std::string, std::string> kLines = {
+      {"CG", "1 pt 7"}, {"CHOLMOD", "3 pt 5"}, {"SuiteSparseQR", "2 pt 6"}};
   std::string script =
       "set logscale xy\nset xlabel 'points'\nset ylabel 'processor seconds'\nset key outside\nset format x '10^{%T}'\n"
       "set xrange [3e4:4e8]\n$paper << EOD\n890000,117\n216000000,10512\nEOD\nplot ";
   const std::vector<std::string> graphs = valuesOf(table2, "graph");
   for (std::size_t column = 1; column < times.header.size(); ++column) {
     const std::string& name = times.header[column];
-    const auto graph = std::find(graphs.begin(), graphs.end(), name.substr(0, name.find(' ')));
+    const std::size_t space = name.rfind(' ');
+    const auto graph = std::find(graphs.begin(), graphs.end(), name.substr(0, space));
     script += "'time_by_size.csv' using 1:" + std::to_string(column + 1) + " with linespoints lw 2 lc " +
-              std::to_string(graph - graphs.begin() + 1) + " dt " +
-              (name.find("CHOLMOD") == std::string::npos ? "2 pt 6" : "1 pt 7") + " title '" + name + "', ";
+              std::to_string(graph - graphs.begin() + 1) + " dt " + kLines.at(name.substr(space + 1)) + " title '" +
+              name + "', ";
   }
   tryPlot(directory, "time_by_size",
           script + "$paper using 1:2 with points pt 3 ps 2 lc 'red' title 'the paper, 16 cores'", messages);

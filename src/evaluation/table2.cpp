@@ -107,13 +107,15 @@ Table makeTable2(const Mesh& mesh, const TablesParams& params, const Callbacks& 
   Table table;
   table.header = {"graph",    "solver",  "points",  "status",       "graph_s", "gradients_s", "system_s",
                   "factor_s", "solve_s", "total_s", "us_per_point", "peak_mb", "neighbours"};
-  const std::vector<std::string> graphs = {"1-pass", "2-pass", "3-pass", "4-pass", "5-NN", "20-NN", "DT"};
+  const std::vector<std::string> graphs = {"1-pass",        "2-pass", "3-pass", "4-pass",
+                                           "4-pass shared", "5-NN",   "20-NN",  "DT"};
+  const std::vector<std::pair<std::string, SolverKind>> solvers = {
+      {"CG", SolverKind::kConjugateGradients}, {"CHOLMOD", SolverKind::kCholmod}, {"SuiteSparseQR", SolverKind::kSpqr}};
   std::size_t done = 0;
   Mesh object = mesh;
   normalizeMesh(object);
   for (const std::string& graph : graphs) {
-    for (const auto& [solver, kind] : {std::pair<std::string, SolverKind>{"CHOLMOD", SolverKind::kCholmod},
-                                       std::pair<std::string, SolverKind>{"SuiteSparseQR", SolverKind::kSpqr}}) {
+    for (const auto& [solver, kind] : solvers) {
       std::string stopped;
       for (const std::size_t size : params.table2_sizes) {
         if (callbacks.cancelled && callbacks.cancelled()) throw Cancelled();
@@ -128,7 +130,7 @@ Table makeTable2(const Mesh& mesh, const TablesParams& params, const Callbacks& 
         if (run.status != "ok" && stopped.empty()) stopped = run.status + " at " + std::to_string(size) + " already";
         table.add(cells(graph, solver, size, run));
         if (callbacks.progress) {
-          callbacks.progress({"table 2", ++done, 2 * graphs.size() * params.table2_sizes.size(), 0, -1});
+          callbacks.progress({"table 2", ++done, solvers.size() * graphs.size() * params.table2_sizes.size(), 0, -1});
         }
       }
     }

@@ -20,11 +20,20 @@ struct Scene {
   ObservedBed observed;
   Fused mean;
   std::vector<std::uint64_t> keys;
-  OrderedGraph graph;
+  std::vector<Edge> edges;
   Gradients gradients;
   Eigen::VectorXf data_weights;
   LinearSystem system;
+  Eigen::MatrixXd guess;
+  OrderedGraph shared_graph;
+  LinearSystem shared_system;
 };
+
+GraphParams sharedGrids() {
+  GraphParams params;
+  params.grids = PassGrids::kShared;
+  return params;
+}
 
 const Scene& sceneOf(std::int64_t num_points) {
   static std::map<std::int64_t, Scene> scenes;
@@ -40,10 +49,16 @@ const Scene& sceneOf(std::int64_t num_points) {
   const ObservedBed& o = scene.observed;
   scene.mean = fuseMean(o.observations);
   scene.keys = zorderKeys(o.points, gridOf(o.points));
-  scene.graph = orderedZorderGraph(o.points, gridOf(o.points), GraphParams{});
-  scene.gradients = edgeGradients(scene.graph.edges, o.observations, 0);
-  scene.data_weights = dataWeights(o.points, scene.mean, scene.graph.edges, SystemParams{});
-  scene.system = assembleSystem(scene.graph.edges, scene.gradients.values, scene.mean.values, scene.data_weights, 1);
+  const auto systemOf = [&](const std::vector<Edge>& edges) {
+    scene.gradients = edgeGradients(edges, o.observations, 0);
+    scene.data_weights = dataWeights(o.points, scene.mean, edges, SystemParams{});
+    return assembleSystem(edges, scene.gradients.values, scene.mean.values, scene.data_weights, 1);
+  };
+  scene.shared_graph = orderedZorderGraph(o.points, gridOf(o.points), sharedGrids());
+  scene.shared_system = systemOf(scene.shared_graph.edges);
+  scene.edges = zorderGraph(o.points, gridOf(o.points), GraphParams{});
+  scene.system = systemOf(scene.edges);
+  scene.guess = scene.mean.values.transpose().cast<double>();
   return scene;
 }
 
@@ -62,7 +77,7 @@ void zorderSortOf(benchmark::State& state) {
 }
 void edges(benchmark::State& state) {
   measure(state, [](const Scene& s) {
-    return orderedZorderGraph(s.observed.points, gridOf(s.observed.points), GraphParams{}).edges.size();
+    return zorderGraph(s.observed.points, gridOf(s.observed.points), GraphParams{}).size();
   });
 }
 void surfels(benchmark::State& state) {
@@ -83,23 +98,32 @@ void fusingRobust(benchmark::State& state) {
   measure(state, [](const Scene& s) { return fuseRobust(s.observed.observations, 6).values.sum(); });
 }
 void gradientsOf(benchmark::State& state) {
-  measure(state,
-          [](const Scene& s) { return edgeGradients(s.graph.edges, s.observed.observations, 0).has_evidence.size(); });
+  measure(state, [](const Scene& s) { return edgeGradients(s.edges, s.observed.observations, 0).has_evidence.size(); });
 }
 void assembly(benchmark::State& state) {
   measure(state, [](const Scene& s) {
-    return assembleSystem(s.graph.edges, s.gradients.values, s.mean.values, s.data_weights, 1).matrix.nonZeros();
+    return assembleSystem(s.edges, s.gradients.values, s.mean.values, s.data_weights, 1).matrix.nonZeros();
   });
 }
-void factor(benchmark::State& state) {
+void conjugateGradients(benchmark::State& state) {
   measure(state, [](const Scene& s) {
-    return Factorization(s.system.matrix, SolverKind::kCholmod, s.graph.elimination_order);
+    return LinearSolver(s.system.matrix, SolverKind::kConjugateGradients).solve(s.system.rhs, s.guess).sum();
   });
 }
-void solve(benchmark::State& state) {
+void sharedEdges(benchmark::State& state) {
+  measure(state, [](const Scene& s) {
+    return orderedZorderGraph(s.observed.points, gridOf(s.observed.points), sharedGrids()).edges.size();
+  });
+}
+void sharedFactor(benchmark::State& state) {
+  measure(state, [](const Scene& s) {
+    return LinearSolver(s.shared_system.matrix, SolverKind::kCholmod, s.shared_graph.elimination_order);
+  });
+}
+void sharedSolve(benchmark::State& state) {
   const Scene& scene = sceneOf(state.range(0));
-  const Factorization factorization(scene.system.matrix, SolverKind::kCholmod, scene.graph.elimination_order);
-  for (auto _ : state) benchmark::DoNotOptimize(factorization.solve(scene.system.rhs).sum());
+  const LinearSolver solver(scene.shared_system.matrix, SolverKind::kCholmod, scene.shared_graph.elimination_order);
+  for (auto _ : state) benchmark::DoNotOptimize(solver.solve(scene.shared_system.rhs).sum());
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 
@@ -113,8 +137,10 @@ BENCHMARK(observation)->Arg(kPoints)->Unit(benchmark::kMillisecond);
 BENCHMARK(fusingRobust)->Arg(kPoints)->Unit(benchmark::kMillisecond);
 BENCHMARK(gradientsOf)->Arg(kPoints)->Unit(benchmark::kMillisecond);
 BENCHMARK(assembly)->Arg(kPoints)->Unit(benchmark::kMillisecond);
-BENCHMARK(factor)->Arg(kPoints)->Unit(benchmark::kMillisecond);
-BENCHMARK(solve)->Arg(kPoints)->Unit(benchmark::kMillisecond);
+BENCHMARK(conjugateGradients)->Arg(kPoints)->Unit(benchmark::kMillisecond);
+BENCHMARK(sharedEdges)->Arg(kPoints)->Unit(benchmark::kMillisecond);
+BENCHMARK(sharedFactor)->Arg(kPoints)->Unit(benchmark::kMillisecond);
+BENCHMARK(sharedSolve)->Arg(kPoints)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace cloud_colorizer

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 #include <set>
 
@@ -26,34 +27,41 @@ Points sphere(int num_points) {
 }
 
 /// The definition: sort for every pass, link neighbours, let a set make them unique.
-Pairs linksBySorting(const Points& points, int passes) {
+Pairs linksBySorting(const Points& points, int passes, PassGrids grids) {
   const auto keys = zorderKeys(points, kGrid);
   Pairs pairs;
   for (int pass = 0; pass < passes; ++pass) {
-    const auto order = zorderSort(keys, zorderMask(pass));
+    const auto order = zorderSort(grids == PassGrids::kOwn ? shiftedKeys(keys, pass) : keys, zorderMask(pass));
     for (std::size_t i = 1; i < order.size(); ++i) pairs.insert(std::minmax(order[i - 1], order[i]));
   }
   return pairs;
 }
 
+double neighboursOf(const std::vector<Edge>& edges, int num_points) {
+  return 2 * static_cast<double>(edges.size()) / num_points;
+}
+
 TEST(Graph, LinksAreTheNeighboursInTheSortedPasses) {
   const Points points = sphere(3000);  // several points in many cells of 5 cm
-  for (int passes = 1; passes <= kMaxPasses; ++passes) {
-    const auto edges = zorderGraph(points, kGrid, {passes, 0});
-    const Pairs expected = linksBySorting(points, passes);
-    ASSERT_EQ(edges.size(), expected.size());
-    std::size_t e = 0;
-    for (const auto& [p, q] : expected) {  // a set ascends, as the edges must
-      EXPECT_EQ(edges[e].p, p);
-      EXPECT_EQ(edges[e].q, q);
-      EXPECT_EQ(edges[e++].weight, 1);
+  for (const PassGrids grids : {PassGrids::kOwn, PassGrids::kShared}) {
+    for (int passes = 1; passes <= kMaxPasses; ++passes) {
+      const auto edges = zorderGraph(points, kGrid, {passes, 0, grids});
+      const Pairs expected = linksBySorting(points, passes, grids);
+      ASSERT_EQ(edges.size(), expected.size());
+      std::size_t e = 0;
+      for (const auto& [p, q] : expected) {  // a set ascends, as the edges must
+        EXPECT_EQ(edges[e].p, p);
+        EXPECT_EQ(edges[e].q, q);
+        EXPECT_EQ(edges[e++].weight, 1);
+      }
     }
   }
 }
 
 TEST(Graph, EliminationOrderHasEveryPointOnceAndLittleFill) {
   const int num_points = 3000;
-  const auto graph = orderedZorderGraph(sphere(num_points), {Eigen::Vector3f::Constant(-2), 0.001F}, {});
+  const GraphParams shared{4, 0, PassGrids::kShared};
+  const auto graph = orderedZorderGraph(sphere(num_points), {Eigen::Vector3f::Constant(-2), 0.001F}, shared);
   std::vector<int> rank(num_points, -1);
   for (int i = 0; i < num_points; ++i) rank.at(graph.elimination_order.at(i)) = i;
   EXPECT_EQ(std::count(rank.begin(), rank.end(), -1), 0);
@@ -66,12 +74,29 @@ TEST(Graph, EliminationOrderHasEveryPointOnceAndLittleFill) {
     if (!later[i].empty()) later[*later[i].begin()].insert(std::next(later[i].begin()), later[i].end());
   }
   EXPECT_LT(entries, 8U * num_points);
-  EXPECT_EQ(orderedZorderGraph(Points::Zero(3, 1), kGrid, {}).elimination_order, std::vector<int>{0});
+  EXPECT_EQ(orderedZorderGraph(Points::Zero(3, 1), kGrid, shared).elimination_order, std::vector<int>{0});
+  EXPECT_TRUE(orderedZorderGraph(sphere(10), kGrid, {}).elimination_order.empty());  // none is known for own grids
 }
 
-TEST(Graph, SurfaceHasAboutFourNeighboursInFourPasses) {
-  const auto edges = zorderGraph(sphere(20000), {Eigen::Vector3f::Constant(-2), 0.001F}, {});
-  EXPECT_NEAR(2.0 * static_cast<double>(edges.size()) / 20000, 4.1, 0.2);
+TEST(Graph, NeighboursOfASurfaceInFourPasses) {
+  const Points points = sphere(20000);
+  const ZOrderGrid grid{Eigen::Vector3f::Constant(-2), 0.001F};
+  EXPECT_NEAR(neighboursOf(zorderGraph(points, grid, {4, 0, PassGrids::kShared}), 20000), 4.1, 0.2);
+  EXPECT_NEAR(neighboursOf(zorderGraph(points, grid, {4, 0, PassGrids::kOwn}), 20000), 5.8, 0.2);
+}
+
+/// The halves of a cube touch in a plane of blocks of every size. Passes of one grid cross it once each, those of
+/// others wherever it lies within one of their blocks.
+TEST(Graph, OwnGridsCrossTheBordersOfBlocks) {
+  const Points points = sphere(20000);
+  const ZOrderGrid grid{Eigen::Vector3f::Constant(-1), std::ldexp(1.F, -18)};  // x = 0 halves the block of 2^19 cells
+  const auto crossing = [&](PassGrids grids) {
+    const auto edges = zorderGraph(points, grid, {4, 0, grids});
+    return std::count_if(edges.begin(), edges.end(),
+                         [&](const Edge& e) { return (points(0, e.p) < 0) != (points(0, e.q) < 0); });
+  };
+  EXPECT_LT(crossing(PassGrids::kShared), 50);
+  EXPECT_GT(crossing(PassGrids::kOwn), 150) << crossing(PassGrids::kOwn);
 }
 
 TEST(Graph, LongEdgeCountsLessAndConnects) {

@@ -82,6 +82,24 @@ TEST(Zorder, PassSortsTheMirroredCoordinates) {
   }
 }
 
+TEST(Zorder, ShiftMovesTheCellsOfAPass) {
+  std::mt19937 random(4);
+  std::vector<std::array<std::uint32_t, 3>> cells = {{0, 0, 0}, {(1U << kZOrderBits) - 1, 0, 1U << 20}};
+  for (int i = 0; i < 200; ++i) cells.push_back(randomCell(random));
+  std::vector<std::uint64_t> keys;
+  for (const auto& cell : cells) keys.push_back(interleave(cell));
+  for (std::uint32_t pass = 0; pass < kMaxPasses; ++pass) {
+    std::vector<std::uint64_t> expected;
+    for (auto cell : cells) {
+      for (auto& coordinate : cell) coordinate = (coordinate + pass * ((1U << 20) / 5)) % (1U << kZOrderBits);
+      expected.push_back(interleave(cell));
+    }
+    EXPECT_EQ(shiftedKeys(keys, static_cast<int>(pass)), expected) << "pass " << pass;
+  }
+  EXPECT_TRUE(shiftedKeys({}, 1).empty());
+  EXPECT_THROW(shiftedKeys(keys, kMaxPasses), std::invalid_argument);
+}
+
 TEST(Zorder, PointBeyondTheGridIsRefused) {
   const ZOrderGrid grid{Eigen::Vector3f::Zero(), 0.5F};
   const float end = 0.5F * static_cast<float>(1 << kZOrderBits);

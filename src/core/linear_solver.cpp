@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/factorization.hpp"
+#include "cloud_colorizer/linear_solver.hpp"
 
 #include <cholmod.h>
 
@@ -13,15 +13,16 @@
 #include <vector>
 
 #include "cloud_colorizer/check.hpp"
+#include "conjugate_gradients.hpp"
 
 namespace cloud_colorizer {
 
-struct Factorization::Impl {
+struct LinearSolver::Impl {
   explicit Impl(Eigen::Index n) : size(n) {}
   virtual ~Impl() = default;
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
-  virtual Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs) = 0;
+  virtual Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Eigen::MatrixXd& guess) = 0;
 
   const Eigen::Index size;
 };
@@ -62,9 +63,21 @@ Eigen::MatrixXd copyDense(const cholmod_dense& dense) {
                                            static_cast<Eigen::Index>(dense.ncol));
 }
 
+class ConjugateGradientsImpl : public LinearSolver::Impl {
+ public:
+  explicit ConjugateGradientsImpl(const Lower& lower) : Impl(lower.cols()), gradients_(lower) {}
+
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Eigen::MatrixXd& guess) override {
+    return gradients_.solve(rhs, guess);
+  }
+
+ private:
+  ConjugateGradients gradients_;
+};
+
 /// L L' of P A P'. A Z-order graph, which comes with its order, is nearly one-dimensional: simplicial, for it has no
 /// dense blocks for a BLAS. For any other graph CHOLMOD chooses the ordering and the kind of factor.
-class CholmodImpl : public Factorization::Impl {
+class CholmodImpl : public LinearSolver::Impl {
  public:
   CholmodImpl(const Lower& lower, const std::vector<int>& order) : Impl(lower.cols()) {
     cholmod_start(&common_);
@@ -86,7 +99,7 @@ class CholmodImpl : public Factorization::Impl {
   }
   ~CholmodImpl() override { release(); }
 
-  Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs) override {
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Eigen::MatrixXd&) override {
     cholmod_dense view = denseView(rhs);
     cholmod_dense* solution = cholmod_solve(CHOLMOD_A, factor_, &view, &common_);
     checkStatus(common_.status, size);
@@ -127,7 +140,7 @@ class CholmodImpl : public Factorization::Impl {
 };
 
 /// Q R of A. SuiteSparseQR has 64-bit indices only, and needs the whole matrix.
-class SpqrImpl : public Factorization::Impl {
+class SpqrImpl : public LinearSolver::Impl {
  public:
   explicit SpqrImpl(const Lower& lower) : Impl(lower.cols()) {
     cholmod_l_start(&common_);
@@ -144,7 +157,7 @@ class SpqrImpl : public Factorization::Impl {
   }
   ~SpqrImpl() override { release(); }
 
-  Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs) override {
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Eigen::MatrixXd&) override {
     cholmod_dense view = denseView(rhs);
     cholmod_dense* rotated = SuiteSparseQR_qmult<double>(SPQR_QTX, factor_, &view, &common_);
     checkStatus(common_.status, size);
@@ -212,27 +225,35 @@ void checkOrder(const std::vector<int>& order, Eigen::Index size) {
 
 }  // namespace
 
-Factorization::Factorization(const Eigen::SparseMatrix<double>& lower, SolverKind solver,
-                             const std::vector<int>& elimination_order) {
+LinearSolver::LinearSolver(const Eigen::SparseMatrix<double>& lower, SolverKind solver,
+                           const std::vector<int>& elimination_order) {
   checkLower(lower);
   checkOrder(elimination_order, lower.cols());
   if (lower.cols() == 0) return;
-  if (solver == SolverKind::kCholmod) {
-    impl_ = std::make_unique<CholmodImpl>(lower, elimination_order);
-  } else {
-    impl_ = std::make_unique<SpqrImpl>(lower);
+  switch (solver) {
+    case SolverKind::kConjugateGradients:
+      impl_ = std::make_unique<ConjugateGradientsImpl>(lower);
+      break;
+    case SolverKind::kCholmod:
+      impl_ = std::make_unique<CholmodImpl>(lower, elimination_order);
+      break;
+    case SolverKind::kSpqr:
+      impl_ = std::make_unique<SpqrImpl>(lower);
   }
 }
 
-Factorization::~Factorization() = default;
-Factorization::Factorization(Factorization&&) noexcept = default;
-Factorization& Factorization::operator=(Factorization&&) noexcept = default;
+LinearSolver::~LinearSolver() = default;
+LinearSolver::LinearSolver(LinearSolver&&) noexcept = default;
+LinearSolver& LinearSolver::operator=(LinearSolver&&) noexcept = default;
 
-Eigen::MatrixXd Factorization::solve(const Eigen::MatrixXd& rhs) const {
+Eigen::MatrixXd LinearSolver::solve(const Eigen::MatrixXd& rhs, const Eigen::MatrixXd& guess) const {
   const Eigen::Index size = impl_ ? impl_->size : 0;
   require<std::invalid_argument>(rhs.rows() == size, "right-hand side of ", rhs.rows(), " rows for a system of ", size);
-  if (rhs.size() == 0) return rhs;
-  return impl_->solve(rhs);
+  if (guess.size() == 0)
+    return rhs.size() == 0 ? rhs : impl_->solve(rhs, Eigen::MatrixXd::Zero(rhs.rows(), rhs.cols()));
+  require<std::invalid_argument>(guess.rows() == size && guess.cols() == rhs.cols(), "guess of ", guess.rows(), " x ",
+                                 guess.cols(), " for a solution of ", size, " x ", rhs.cols());
+  return impl_->solve(rhs, guess);
 }
 
 }  // namespace cloud_colorizer
