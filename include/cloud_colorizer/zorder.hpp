@@ -37,7 +37,8 @@ std::uint64_t zorderMask(int pass);
 /// makes it, stay together. Throws std::invalid_argument for another pass.
 std::vector<std::uint64_t> shiftedKeys(const std::vector<std::uint64_t>& keys, int pass);
 
-/// Indices by ascending `key ^ mask`; equal keys by ascending index. O(n): a radix sort over the bytes that differ.
+/// Indices by ascending `key ^ mask`; equal keys by ascending index. A radix sort, O(n) but for points that lie much
+/// closer together than the others.
 std::vector<std::uint32_t> zorderSort(const std::vector<std::uint64_t>& keys, std::uint64_t mask);
 
 }  // namespace cloud_colorizer

@@ -87,26 +87,28 @@ std::vector<std::uint32_t> zorderSort(const std::vector<std::uint64_t>& keys, st
     std::iota(order.begin(), order.end(), 0U);
     return order;
   }
-  struct Item {
-    std::uint64_t key;
-    std::uint32_t index;
-  };
-  std::vector<Item> items(keys.size()), sorted(keys.size());
+  // An item is the 32 bits from the highest one in which keys differ, and the index. Few points agree in those.
   std::uint64_t differing = 0;
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    items[i] = {keys[i] ^ mask, static_cast<std::uint32_t>(i)};
-    differing |= keys[i] ^ keys[0];
-  }
-  for (int shift = 0; shift < 64; shift += 8) {
-    if ((differing >> shift & 0xff) == 0) continue;
+  for (const std::uint64_t key : keys) differing |= key ^ keys[0];
+  const int dropped = std::max(0, 32 - __builtin_clzll(differing));
+  std::vector<std::uint64_t> items(keys.size()), sorted(keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) items[i] = ((keys[i] ^ mask) >> dropped << 32) | i;
+  for (int shift = 32; shift < 64; shift += 8) {
+    if ((differing >> dropped << 32 >> shift & 0xff) == 0) continue;
     std::array<std::uint32_t, 257> starts{};
-    for (const Item& item : items) ++starts[(item.key >> shift & 0xff) + 1];
+    for (const std::uint64_t item : items) ++starts[(item >> shift & 0xff) + 1];
     for (std::size_t b = 1; b < starts.size(); ++b) starts[b] += starts[b - 1];
-    for (const Item& item : items) sorted[starts[item.key >> shift & 0xff]++] = item;
+    for (const std::uint64_t item : items) sorted[starts[item >> shift & 0xff]++] = item;
     items.swap(sorted);
   }
-  std::vector<std::uint32_t> order(keys.size());
-  for (std::size_t i = 0; i < items.size(); ++i) order[i] = items[i].index;
+  std::vector<std::uint32_t> order(items.begin(), items.end());  // the lower halves
+  const auto before_or_first = [&](std::uint32_t a, std::uint32_t b) {
+    return keys[a] == keys[b] ? a < b : before(keys[a], keys[b]);
+  };
+  for (std::size_t begin = 0, end = 0; dropped > 0 && begin < items.size(); begin = end) {
+    for (end = begin + 1; end < items.size() && items[end] >> 32 == items[begin] >> 32;) ++end;
+    if (end - begin > 1) std::sort(order.begin() + begin, order.begin() + end, before_or_first);
+  }
   return order;
 }
 

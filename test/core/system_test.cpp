@@ -158,7 +158,7 @@ TEST(Solve, SolversAgree) {
 
 /// Parameters that spread the colours far make the system hard for conjugate gradients.
 TEST(Solve, ConjugateGradientsConvergeForExtremeParameters) {
-  const Scene scene = makeScene(5000, 10);
+  const Scene scene = makeScene(2000, 10);
   const Fused data = fuseMean(scene.observations);
   for (const double lambda : {1e-6, 100.0, 1e4}) {
     for (const double anchor_share : {0.0, 0.001, 1.0}) {
