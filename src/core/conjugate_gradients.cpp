@@ -66,6 +66,20 @@ ConjugateGradients::ConjugateGradients(const Eigen::SparseMatrix<double>& lower)
     }
     offsets_.push_back(static_cast<int>(rows_.size()));
   }
+  constant_quotient_ = constantQuotient();
+}
+
+/// The Rayleigh quotient of equal values everywhere, which few anchors hardly hold. The iteration may see nothing of
+/// them until all else is done.
+double ConjugateGradients::constantQuotient() const {
+  double sum = 0, norm = 0;
+  for (Index j = 0; j < size_; ++j) {
+    double backward = 1 / scale_[j];  // (1 + L') x
+    for (int k = offsets_[j]; k < offsets_[j + 1]; ++k) backward += values_[k] / scale_[rows_[k]];
+    sum += (2 * backward - 1 / scale_[j]) / scale_[j];
+    norm += backward * backward;
+  }
+  return std::clamp(sum / norm, kSingular, 1.0);
 }
 
 /// rhs becomes (1 + L)^-1 (rhs - (1 + L + L') solution).
@@ -111,7 +125,7 @@ void ConjugateGradients::solveLanes(Block& residual, Block& solution) const {
   Index lane = 0;  // one with much to do knows the eigenvalues
   norm.maxCoeff(&lane);
   RitzValues ritz;
-  double smallest = 1;  // eigenvalue so far; an error is at most as large as the residual divided by it
+  double smallest = constant_quotient_;  // eigenvalue; an error is at most as large as the residual divided by it
   const auto isEnough = [&] {
     return (norm <= std::pow(kTolerance * smallest, 2) * (guess_norm + solution_norm)).all();
   };
@@ -137,7 +151,7 @@ void ConjugateGradients::solveLanes(Block& residual, Block& solution) const {
     if (norm(lane) > 0) ritz.add(alpha(lane), beta(lane));
     norm = next;
     if (!isEnough()) continue;
-    smallest = ritz.smallest();  // it sinks with every iteration, so it is looked for only now
+    smallest = std::min(smallest, ritz.smallest());  // it sinks with every iteration, so it is looked for only now
     if (isEnough()) break;
   }
 }

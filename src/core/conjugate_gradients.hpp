@@ -34,11 +34,13 @@ class ConjugateGradients {
   void toResidual(const Block& solution, Block& rhs) const;
   Lanes step(const Lanes& beta, const Block& residual, Block& direction, Block& backward, Block& image) const;
   void solveLanes(Block& residual, Block& solution) const;
+  double constantQuotient() const;
 
   Eigen::Index size_;
   std::vector<double> scale_;  ///< 1 / sqrt of the diagonal: A is used as 1 + L + L'
   std::vector<int> offsets_, rows_;
   std::vector<double> values_;  ///< of L, column by column
+  double constant_quotient_ = 1;
 };
 
 }  // namespace cloud_colorizer
