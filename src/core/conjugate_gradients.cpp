@@ -17,6 +17,8 @@ using Eigen::Index;
 constexpr double kTolerance = 1e-5;
 /// A quotient p' A p / p' p below it is rounding error.
 constexpr double kSingular = 1e-13;
+/// A squared norm below it is that of a column that is done.
+constexpr double kNothing = 1e-200;
 constexpr int kMaxIterations = 20000;
 
 /// The eigenvalues that conjugate gradients see of their matrix: those of the tridiagonal matrix of Lanczos' iteration.
@@ -130,13 +132,13 @@ void ConjugateGradients::solveLanes(Block& residual, Block& solution) const {
     return (norm <= std::pow(kTolerance * smallest, 2) * (guess_norm + solution_norm)).all();
   };
   Block direction = Block::Zero(size_, kLanes), backward(size_, kLanes), image(size_, kLanes);
-  for (int i = 0; !(norm == 0).all(); ++i) {
+  for (int i = 0; !(norm < kNothing).all(); ++i) {
     require(i < kMaxIterations && norm.isFinite().all(), "conjugate gradients do not converge on a system of ", size_,
             " points; set pass_grids to shared and solver to cholmod");
     const Lanes product = step(beta, residual, direction, backward, image);
-    require((norm == 0 || product > kSingular * norm).all(), "the system of ", size_,
+    require((norm < kNothing || product > kSingular * norm).all(), "the system of ", size_,
             " points is singular or indefinite: a part of the graph has no anchor, or a weight is negative");
-    const Lanes alpha = (norm > 0).select(norm / product, 0);
+    const Lanes alpha = (norm < kNothing).select(0, norm / product);
     Lanes next = Lanes::Zero();
     solution_norm.setZero();
     for (Index j = 0; j < size_; ++j) {
@@ -147,8 +149,8 @@ void ConjugateGradients::solveLanes(Block& residual, Block& solution) const {
       solution_norm += solution_j.square();
       next += residual_j.square();
     }
-    beta = (norm > 0).select(next / norm, 0);
-    if (norm(lane) > 0) ritz.add(alpha(lane), beta(lane));
+    beta = (norm < kNothing).select(0, next / norm);
+    if (norm(lane) > kNothing) ritz.add(alpha(lane), beta(lane));
     norm = next;
     if (!isEnough()) continue;
     smallest = std::min(smallest, ritz.smallest());  // it sinks with every iteration, so it is looked for only now
