@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "cloud_colorizer/check.hpp"
-#include "text.hpp"
+#include "cloud_colorizer/text.hpp"
 
 namespace cloud_colorizer {
 

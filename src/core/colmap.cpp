@@ -10,7 +10,7 @@
 
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/file_io.hpp"
-#include "text.hpp"
+#include "cloud_colorizer/text.hpp"
 
 namespace cloud_colorizer {
 

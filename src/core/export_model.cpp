@@ -8,7 +8,7 @@
 #include "cloud_colorizer/colmap.hpp"
 #include "cloud_colorizer/colorize.hpp"
 #include "cloud_colorizer/file_io.hpp"
-#include "text.hpp"
+#include "cloud_colorizer/text.hpp"
 
 namespace cloud_colorizer {
 namespace {

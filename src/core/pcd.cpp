@@ -5,8 +5,8 @@
 #include <map>
 
 #include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/text.hpp"
 #include "cloud_layout.hpp"
-#include "text.hpp"
 
 namespace cloud_colorizer {
 

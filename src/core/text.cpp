@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "text.hpp"
+#include "cloud_colorizer/text.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -80,6 +80,10 @@ std::vector<std::string> splitAt(const std::string& line, char separator) {
     }
   }
   return parts;
+}
+
+bool endsWith(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
 std::string lowerExtension(const std::string& path) {

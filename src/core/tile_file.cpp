@@ -11,8 +11,8 @@
 
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/file_io.hpp"
+#include "cloud_colorizer/text.hpp"
 #include "pcd.hpp"
-#include "text.hpp"
 
 namespace cloud_colorizer {
 

@@ -8,6 +8,7 @@
 #include "cloud_colorizer/evaluation/methods.hpp"
 #include "cloud_colorizer/evaluation/neighbors.hpp"
 #include "cloud_colorizer/stop_watch.hpp"
+#include "cloud_colorizer/text.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -42,10 +43,6 @@ std::vector<Index> freePoints(const Eigen::VectorXf& anchors, const std::vector<
   }
   *share = num_points == 0 ? 0 : static_cast<double>(count) / static_cast<double>(num_points);
   return points;
-}
-
-bool endsWith(const std::string& text, const std::string& end) {
-  return text.size() > end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
 }  // namespace

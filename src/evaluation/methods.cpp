@@ -10,6 +10,7 @@
 #include "cloud_colorizer/parallel.hpp"
 #include "cloud_colorizer/point_colors.hpp"
 #include "cloud_colorizer/stop_watch.hpp"
+#include "cloud_colorizer/text.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -107,7 +108,7 @@ void colorByPreset(const ObservedBed& observed, Method method, Params params, Me
 
 void colorByGraph(const ObservedBed& observed, const std::string& method, const Params& params, MethodResult& result) {
   static const std::string kPlain = " plain";
-  const bool plain = method.size() > kPlain.size() && method.substr(method.size() - kPlain.size()) == kPlain;
+  const bool plain = endsWith(method, kPlain);
   const std::string graph = plain ? method.substr(0, method.size() - kPlain.size()) : method;
   SystemParams system = params.system;
   system.min_data_weight = 0;  // as in the paper

@@ -12,6 +12,7 @@
 
 #include "cloud_colorizer/check.hpp"
 #include "cloud_colorizer/ros/bag_source.hpp"
+#include "cloud_colorizer/text.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -25,10 +26,6 @@ std::string listTopics(const TopicTypes& topics) {
   std::string text = "topics:\n";
   for (const auto& [topic, type] : topics) text += "  " + topic + " (" + type + ")\n";
   return text;
-}
-
-bool endsWith(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
 /// "/cam/image/compressed" -> "/cam/image".

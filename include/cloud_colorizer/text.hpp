@@ -22,6 +22,8 @@ bool parseInteger(const std::string& word, long long& value);
 std::vector<std::string> splitWords(const std::string& line);  ///< at white space
 std::vector<std::string> splitAt(const std::string& line, char separator);
 
+bool endsWith(const std::string& text, const std::string& end);
+
 /// Of a path, in lower case, with its dot.
 std::string lowerExtension(const std::string& path);
 
