@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "cloud_colorizer/check.hpp"
+#include "singular.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -15,8 +16,6 @@ using Eigen::Index;
 
 /// Of the error, relative to the solution: 0.001 of 255 levels.
 constexpr double kTolerance = 1e-5;
-/// A quotient p' A p / p' p below it is rounding error.
-constexpr double kSingular = 1e-13;
 /// A squared norm below it is that of a column that is done.
 constexpr double kNothing = 1e-200;
 constexpr int kMaxIterations = 20000;
@@ -123,7 +122,7 @@ void ConjugateGradients::solveLanes(Block& residual, Block& solution) const {
   toResidual(solution, residual);
   Lanes norm = residual.square().colwise().sum(), beta = Lanes::Zero();
   const Lanes guess_norm = solution.square().colwise().sum();
-  Lanes solution_norm = guess_norm;
+  Lanes solution_norm;
   Index lane = 0;  // one with much to do knows the eigenvalues
   norm.maxCoeff(&lane);
   RitzValues ritz;
@@ -136,8 +135,7 @@ void ConjugateGradients::solveLanes(Block& residual, Block& solution) const {
     require(i < kMaxIterations && norm.isFinite().all(), "conjugate gradients do not converge on a system of ", size_,
             " points; set pass_grids to shared and solver to cholmod");
     const Lanes product = step(beta, residual, direction, backward, image);
-    require((norm < kNothing || product > kSingular * norm).all(), "the system of ", size_,
-            " points is singular or indefinite: a part of the graph has no anchor, or a weight is negative");
+    requireRegular((norm < kNothing || product > kSingular * norm).all(), size_, "singular or indefinite");
     const Lanes alpha = (norm < kNothing).select(0, norm / product);
     Lanes next = Lanes::Zero();
     solution_norm.setZero();

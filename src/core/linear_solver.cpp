@@ -14,6 +14,7 @@
 
 #include "cloud_colorizer/check.hpp"
 #include "conjugate_gradients.hpp"
+#include "singular.hpp"
 
 namespace cloud_colorizer {
 
@@ -31,16 +32,8 @@ namespace {
 
 using Lower = Eigen::SparseMatrix<double>;
 
-/// Below it a pivot is rounding error. Well conditioned systems have far larger ones, see kMinEdgeWeight of the graph.
-constexpr double kSingular = 1e-13;
-
-void throwSingular(Eigen::Index size, const char* what) {
-  require(false, "the system of ", size, " points is ", what,
-          ": a part of the graph has no anchor, or a weight is negative");
-}
-
 void checkStatus(int status, Eigen::Index size) {
-  if (status == CHOLMOD_NOT_POSDEF) throwSingular(size, "not positive definite");
+  requireRegular(status != CHOLMOD_NOT_POSDEF, size, "not positive definite");
   require(status != CHOLMOD_OUT_OF_MEMORY, "out of memory while factoring ", size, " points; use smaller chunks");
   require(status != CHOLMOD_TOO_LARGE, "the factor of ", size, " points exceeds 32-bit indices; use smaller chunks");
   require(status >= CHOLMOD_OK, "CHOLMOD failed with status ", status, " on ", size, " points");
@@ -127,7 +120,7 @@ class CholmodImpl : public LinearSolver::Impl {
     checkStatus(common_.status, size);
     cholmod_factorize(&view, factor_, &common_);
     checkStatus(common_.status, size);
-    if (!(cholmod_rcond(factor_, &common_) > kSingular)) throwSingular(size, "singular");
+    requireRegular(cholmod_rcond(factor_, &common_) > kSingular, size, "singular");
   }
 
   void release() {
@@ -187,7 +180,7 @@ class SpqrImpl : public LinearSolver::Impl {
     factor_ = SuiteSparseQR_factorize<double>(SPQR_ORDERING_DEFAULT, kSingular * largest, &view, &common_);
     checkStatus(common_.status, size);
     require(factor_ != nullptr, "SuiteSparseQR could not factor ", size, " points");
-    if (factor_->rank < whole.cols()) throwSingular(size, "singular");
+    requireRegular(factor_->rank >= whole.cols(), size, "singular");
   }
 
   void release() {
@@ -207,7 +200,7 @@ void checkLower(const Lower& lower) {
           " points has a value that is not finite");
   for (Eigen::Index p = 0; p < lower.cols(); ++p) {
     const int begin = lower.outerIndexPtr()[p];
-    if (begin == lower.outerIndexPtr()[p + 1]) throwSingular(lower.cols(), "singular");
+    requireRegular(begin < lower.outerIndexPtr()[p + 1], lower.cols(), "singular");
     require<std::invalid_argument>(lower.innerIndexPtr()[begin] >= p, "column ", p, " has an entry above the diagonal");
   }
 }
@@ -249,8 +242,8 @@ LinearSolver& LinearSolver::operator=(LinearSolver&&) noexcept = default;
 Eigen::MatrixXd LinearSolver::solve(const Eigen::MatrixXd& rhs, const Eigen::MatrixXd& guess) const {
   const Eigen::Index size = impl_ ? impl_->size : 0;
   require<std::invalid_argument>(rhs.rows() == size, "right-hand side of ", rhs.rows(), " rows for a system of ", size);
-  if (guess.size() == 0)
-    return rhs.size() == 0 ? rhs : impl_->solve(rhs, Eigen::MatrixXd::Zero(rhs.rows(), rhs.cols()));
+  if (rhs.size() == 0 && guess.size() == 0) return rhs;
+  if (guess.size() == 0) return impl_->solve(rhs, Eigen::MatrixXd::Zero(rhs.rows(), rhs.cols()));
   require<std::invalid_argument>(guess.rows() == size && guess.cols() == rhs.cols(), "guess of ", guess.rows(), " x ",
                                  guess.cols(), " for a solution of ", size, " x ", rhs.cols());
   return impl_->solve(rhs, guess);

@@ -67,6 +67,7 @@ std::uint64_t zorderMask(int pass) {
 
 std::vector<std::uint64_t> shiftedKeys(const std::vector<std::uint64_t>& keys, int pass) {
   requireInRange("passes", pass, 0, kMaxPasses - 1);
+  if (pass == 0) return keys;
   const std::uint64_t cells =
       (std::uint64_t{1} << (kZOrderBits - 1)) / (kMaxPasses + 1) * static_cast<std::uint64_t>(pass);
   std::vector<std::uint64_t> shifted(keys.size(), 0);

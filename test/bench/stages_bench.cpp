@@ -13,6 +13,14 @@
 namespace cloud_colorizer {
 namespace {
 
+/// A graph with what is made of it.
+struct GraphScene {
+  OrderedGraph graph;
+  Gradients gradients;
+  Eigen::VectorXf data_weights;
+  LinearSystem system;
+};
+
 /// Everything that the stages take, made once a size.
 struct Scene {
   TestBed bed;
@@ -20,19 +28,23 @@ struct Scene {
   ObservedBed observed;
   Fused mean;
   std::vector<std::uint64_t> keys;
-  std::vector<Edge> edges;
-  Gradients gradients;
-  Eigen::VectorXf data_weights;
-  LinearSystem system;
   Eigen::MatrixXd guess;
-  OrderedGraph shared_graph;
-  LinearSystem shared_system;
+  GraphScene own, shared;
 };
 
-GraphParams sharedGrids() {
+OrderedGraph graphOf(const ObservedBed& observed, PassGrids grids) {
   GraphParams params;
-  params.grids = PassGrids::kShared;
-  return params;
+  params.grids = grids;
+  return orderedZorderGraph(observed.points, gridOf(observed.points), params);
+}
+
+GraphScene graphSceneOf(const ObservedBed& observed, const Fused& mean, PassGrids grids) {
+  GraphScene scene;
+  scene.graph = graphOf(observed, grids);
+  scene.gradients = edgeGradients(scene.graph.edges, observed.observations, 0);
+  scene.data_weights = dataWeights(observed.points, mean, scene.graph.edges, SystemParams{});
+  scene.system = assembleSystem(scene.graph.edges, scene.gradients.values, mean.values, scene.data_weights, 1);
+  return scene;
 }
 
 const Scene& sceneOf(std::int64_t num_points) {
@@ -49,15 +61,8 @@ const Scene& sceneOf(std::int64_t num_points) {
   const ObservedBed& o = scene.observed;
   scene.mean = fuseMean(o.observations);
   scene.keys = zorderKeys(o.points, gridOf(o.points));
-  const auto systemOf = [&](const std::vector<Edge>& edges) {
-    scene.gradients = edgeGradients(edges, o.observations, 0);
-    scene.data_weights = dataWeights(o.points, scene.mean, edges, SystemParams{});
-    return assembleSystem(edges, scene.gradients.values, scene.mean.values, scene.data_weights, 1);
-  };
-  scene.shared_graph = orderedZorderGraph(o.points, gridOf(o.points), sharedGrids());
-  scene.shared_system = systemOf(scene.shared_graph.edges);
-  scene.edges = zorderGraph(o.points, gridOf(o.points), GraphParams{});
-  scene.system = systemOf(scene.edges);
+  scene.own = graphSceneOf(o, scene.mean, PassGrids::kOwn);
+  scene.shared = graphSceneOf(o, scene.mean, PassGrids::kShared);
   scene.guess = scene.mean.values.transpose().cast<double>();
   return scene;
 }
@@ -76,9 +81,7 @@ void zorderSortOf(benchmark::State& state) {
   measure(state, [](const Scene& s) { return zorderSort(s.keys, zorderMask(1)); });
 }
 void edges(benchmark::State& state) {
-  measure(state, [](const Scene& s) {
-    return zorderGraph(s.observed.points, gridOf(s.observed.points), GraphParams{}).size();
-  });
+  measure(state, [](const Scene& s) { return graphOf(s.observed, PassGrids::kOwn).edges.size(); });
 }
 void surfels(benchmark::State& state) {
   measure(state, [](const Scene& s) { return estimateSurfels(s.bed.points, SurfelParams{}).radii.sum(); });
@@ -98,32 +101,33 @@ void fusingRobust(benchmark::State& state) {
   measure(state, [](const Scene& s) { return fuseRobust(s.observed.observations, 6).values.sum(); });
 }
 void gradientsOf(benchmark::State& state) {
-  measure(state, [](const Scene& s) { return edgeGradients(s.edges, s.observed.observations, 0).has_evidence.size(); });
+  measure(state, [](const Scene& s) {
+    return edgeGradients(s.own.graph.edges, s.observed.observations, 0).has_evidence.size();
+  });
 }
 void assembly(benchmark::State& state) {
   measure(state, [](const Scene& s) {
-    return assembleSystem(s.edges, s.gradients.values, s.mean.values, s.data_weights, 1).matrix.nonZeros();
+    return assembleSystem(s.own.graph.edges, s.own.gradients.values, s.mean.values, s.own.data_weights, 1)
+        .matrix.nonZeros();
   });
 }
 void conjugateGradients(benchmark::State& state) {
   measure(state, [](const Scene& s) {
-    return LinearSolver(s.system.matrix, SolverKind::kConjugateGradients).solve(s.system.rhs, s.guess).sum();
+    return LinearSolver(s.own.system.matrix, SolverKind::kConjugateGradients).solve(s.own.system.rhs, s.guess).sum();
   });
 }
 void sharedEdges(benchmark::State& state) {
-  measure(state, [](const Scene& s) {
-    return orderedZorderGraph(s.observed.points, gridOf(s.observed.points), sharedGrids()).edges.size();
-  });
+  measure(state, [](const Scene& s) { return graphOf(s.observed, PassGrids::kShared).edges.size(); });
 }
 void sharedFactor(benchmark::State& state) {
   measure(state, [](const Scene& s) {
-    return LinearSolver(s.shared_system.matrix, SolverKind::kCholmod, s.shared_graph.elimination_order);
+    return LinearSolver(s.shared.system.matrix, SolverKind::kCholmod, s.shared.graph.elimination_order);
   });
 }
 void sharedSolve(benchmark::State& state) {
   const Scene& scene = sceneOf(state.range(0));
-  const LinearSolver solver(scene.shared_system.matrix, SolverKind::kCholmod, scene.shared_graph.elimination_order);
-  for (auto _ : state) benchmark::DoNotOptimize(solver.solve(scene.shared_system.rhs).sum());
+  const LinearSolver solver(scene.shared.system.matrix, SolverKind::kCholmod, scene.shared.graph.elimination_order);
+  for (auto _ : state) benchmark::DoNotOptimize(solver.solve(scene.shared.system.rhs).sum());
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 
