@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "color_and_save.hpp"
+#include "apps/color_and_save.hpp"
 
 #include <filesystem>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/colorize.hpp"
-#include "cloud_colorizer/export_model.hpp"
-#include "cloud_colorizer/io.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/cloud/cloud_io.hpp"
+#include "cloud_colorizer/exchange/export_model.hpp"
+#include "cloud_colorizer/map/colorize.hpp"
 
 namespace cloud_colorizer {
 

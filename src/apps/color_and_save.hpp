@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "cloud_colorizer/recording.hpp"
-#include "command_line.hpp"
+#include "apps/command_line.hpp"
+#include "cloud_colorizer/recording/recording.hpp"
 
 namespace cloud_colorizer {
 

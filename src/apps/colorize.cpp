@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// colorize RECORDING --output map.ply [name=value ...]
-#include "color_and_save.hpp"
+#include "apps/color_and_save.hpp"
 
 int main(int argc, char** argv) {
   using namespace cloud_colorizer;

@@ -5,12 +5,12 @@
 #include <ros/console.h>
 #include <ros/time.h>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/recording.hpp"
+#include "apps/color_and_save.hpp"
+#include "apps/recording_folder.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/recording/recording.hpp"
 #include "cloud_colorizer/ros/bag_source.hpp"
 #include "cloud_colorizer/ros/params.hpp"
-#include "color_and_save.hpp"
-#include "recording_folder.hpp"
 
 namespace cloud_colorizer {
 namespace {

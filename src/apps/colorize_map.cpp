@@ -4,10 +4,10 @@
 /// colorize_map --cloud map.ply --images DIR --model COLMAP_TEXT_DIR --output colored.ply [name=value ...]
 #include <filesystem>
 
-#include "cloud_colorizer/colmap.hpp"
-#include "cloud_colorizer/import_model.hpp"
-#include "color_and_save.hpp"
-#include "recording_folder.hpp"
+#include "apps/color_and_save.hpp"
+#include "apps/recording_folder.hpp"
+#include "cloud_colorizer/exchange/colmap.hpp"
+#include "cloud_colorizer/exchange/import_model.hpp"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "command_line.hpp"
+#include "apps/command_line.hpp"
 
 #include <signal.h>
 #include <unistd.h>
@@ -15,7 +15,7 @@
 #include <memory>
 #include <sstream>
 
-#include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/base/check.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -18,8 +18,8 @@
 #include <string>
 #include <vector>
 
-#include "cloud_colorizer/params.hpp"
-#include "cloud_colorizer/types.hpp"
+#include "cloud_colorizer/base/types.hpp"
+#include "cloud_colorizer/map/params.hpp"
 
 namespace cloud_colorizer {
 

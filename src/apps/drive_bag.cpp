@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "drive_bag.hpp"
+#include "apps/drive_bag.hpp"
 
 #include <geometry_msgs/TransformStamped.h>
 #include <rosbag/bag.h>

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "cloud_colorizer/simulation/drive.hpp"
-#include "cloud_colorizer/simulation/sensors.hpp"
+#include "simulation/drive.hpp"
+#include "simulation/sensors.hpp"
 
 namespace cloud_colorizer::simulation {
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "evaluate_commands.hpp"
+#include "apps/evaluate_commands.hpp"
 
 namespace {
 

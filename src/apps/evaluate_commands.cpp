@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate_commands.hpp"
+#include "apps/evaluate_commands.hpp"
 
 #include <cstdio>
 #include <cstdlib>
@@ -11,12 +11,12 @@
 #include <sstream>
 #include <utility>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/evaluation/clouds.hpp"
-#include "cloud_colorizer/evaluation/heldout.hpp"
-#include "cloud_colorizer/evaluation/score.hpp"
-#include "cloud_colorizer/evaluation/tables.hpp"
-#include "command_line.hpp"
+#include "apps/command_line.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "evaluation/clouds.hpp"
+#include "evaluation/heldout.hpp"
+#include "evaluation/score.hpp"
+#include "evaluation/tables.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -5,16 +5,16 @@
 #include <algorithm>
 #include <iostream>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/evaluation/clouds.hpp"
-#include "cloud_colorizer/evaluation/score.hpp"
-#include "cloud_colorizer/evaluation/table.hpp"
-#include "cloud_colorizer/io.hpp"
-#include "cloud_colorizer/recording.hpp"
-#include "cloud_colorizer/simulation/street.hpp"
-#include "cloud_colorizer/simulation/truth.hpp"
-#include "command_line.hpp"
-#include "evaluate_commands.hpp"
+#include "apps/command_line.hpp"
+#include "apps/evaluate_commands.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/cloud/cloud_io.hpp"
+#include "cloud_colorizer/recording/recording.hpp"
+#include "evaluation/clouds.hpp"
+#include "evaluation/score.hpp"
+#include "evaluation/table.hpp"
+#include "simulation/street.hpp"
+#include "simulation/truth.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <string>
 
-#include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/base/check.hpp"
 
 namespace cloud_colorizer {
 

@@ -7,10 +7,10 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/io.hpp"
-#include "cloud_colorizer/picture.hpp"
-#include "command_line.hpp"
+#include "apps/command_line.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/cloud/cloud_io.hpp"
+#include "cloud_colorizer/picture/picture.hpp"
 
 namespace {
 

@@ -12,10 +12,10 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/parallel.hpp"
-#include "cloud_colorizer/simulation/truth.hpp"
-#include "drive_bag.hpp"
+#include "apps/drive_bag.hpp"
+#include "base/parallel.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "simulation/truth.hpp"
 
 namespace {
 

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <sstream>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/columns.hpp"
-#include "cloud_colorizer/evaluation/tables.hpp"
-#include "cloud_colorizer/point_colors.hpp"
-#include "cloud_colorizer/stop_watch.hpp"
+#include "base/columns.hpp"
+#include "base/stop_watch.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/color/point_colors.hpp"
+#include "evaluation/tables.hpp"
 
 namespace cloud_colorizer {
 namespace {

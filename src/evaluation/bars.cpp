@@ -9,7 +9,7 @@
 #include <optional>
 #include <set>
 
-#include "cloud_colorizer/evaluation/tables.hpp"
+#include "evaluation/tables.hpp"
 
 namespace cloud_colorizer {
 namespace {

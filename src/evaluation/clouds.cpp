@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/evaluation/clouds.hpp"
+#include "evaluation/clouds.hpp"
 
 #include <cstring>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/io.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/cloud/cloud_io.hpp"
 
 namespace cloud_colorizer {
 namespace {

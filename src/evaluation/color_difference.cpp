@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cloud_colorizer/evaluation/score.hpp"
+#include "evaluation/score.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/evaluation/neighbors.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "evaluation/neighbors.hpp"
 
 #ifdef CLOUD_COLORIZER_CGAL
 #include <CGAL/Delaunay_triangulation_3.h>

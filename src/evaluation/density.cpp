@@ -4,9 +4,9 @@
 /// The paper's method against the 20 nearest neighbours by the number of points, where only the intensities are noisy.
 #include <cmath>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/evaluation/neighbors.hpp"
-#include "cloud_colorizer/evaluation/tables.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "evaluation/neighbors.hpp"
+#include "evaluation/tables.hpp"
 
 namespace cloud_colorizer {
 namespace {

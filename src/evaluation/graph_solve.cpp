@@ -4,11 +4,11 @@
 #include <cstdlib>
 #include <utility>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/evaluation/methods.hpp"
-#include "cloud_colorizer/evaluation/neighbors.hpp"
-#include "cloud_colorizer/stop_watch.hpp"
-#include "cloud_colorizer/text.hpp"
+#include "base/stop_watch.hpp"
+#include "base/text.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "evaluation/methods.hpp"
+#include "evaluation/neighbors.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -1,21 +1,21 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/evaluation/heldout.hpp"
+#include "evaluation/heldout.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <numeric>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/colorize.hpp"
-#include "cloud_colorizer/columns.hpp"
-#include "cloud_colorizer/evaluation/clouds.hpp"
-#include "cloud_colorizer/evaluation/refine_pose.hpp"
-#include "cloud_colorizer/evaluation/score.hpp"
-#include "cloud_colorizer/parallel.hpp"
-#include "heldout_pictures.hpp"
-#include "trajectory.hpp"
+#include "base/columns.hpp"
+#include "base/parallel.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/map/colorize.hpp"
+#include "evaluation/clouds.hpp"
+#include "evaluation/heldout_pictures.hpp"
+#include "evaluation/refine_pose.hpp"
+#include "evaluation/score.hpp"
+#include "evaluation/trajectory.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "heldout_pictures.hpp"
+#include "evaluation/heldout_pictures.hpp"
 
 #include <algorithm>
 #include <numeric>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/picture.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/picture/picture.hpp"
 
 namespace cloud_colorizer {
 namespace {

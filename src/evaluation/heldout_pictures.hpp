@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "cloud_colorizer/types.hpp"
+#include "cloud_colorizer/base/types.hpp"
 
 namespace cloud_colorizer {
 

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <map>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/evaluation/heldout.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "evaluation/heldout.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <map>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/evaluation/neighbors.hpp"
-#include "cloud_colorizer/evaluation/tables.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "evaluation/neighbors.hpp"
+#include "evaluation/tables.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/evaluation/limited.hpp"
+#include "evaluation/limited.hpp"
 
 #include <poll.h>
 #include <sys/resource.h>
@@ -15,8 +15,8 @@
 #include <new>
 #include <thread>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/stop_watch.hpp"
+#include "base/stop_watch.hpp"
+#include "cloud_colorizer/base/check.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/evaluation/mesh.hpp"
+#include "evaluation/mesh.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/columns.hpp"
-#include "cloud_colorizer/evaluation/random.hpp"
-#include "cloud_colorizer/zorder.hpp"
+#include "base/columns.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/surface/zorder.hpp"
+#include "evaluation/random.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -8,8 +8,8 @@
 #include <map>
 #include <sstream>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/evaluation/mesh.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "evaluation/mesh.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/evaluation/methods.hpp"
+#include "evaluation/methods.hpp"
 
 #include <cmath>
 
-#include "cloud_colorizer/alignment.hpp"
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/columns.hpp"
-#include "cloud_colorizer/parallel.hpp"
-#include "cloud_colorizer/point_colors.hpp"
-#include "cloud_colorizer/stop_watch.hpp"
-#include "cloud_colorizer/text.hpp"
+#include "base/columns.hpp"
+#include "base/parallel.hpp"
+#include "base/stop_watch.hpp"
+#include "base/text.hpp"
+#include "cloud_colorizer/alignment/align.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/color/point_colors.hpp"
 
 namespace cloud_colorizer {
 namespace {

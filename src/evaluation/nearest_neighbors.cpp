@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/evaluation/neighbors.hpp"
-#include "cloud_colorizer/parallel.hpp"
+#include "base/parallel.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "evaluation/neighbors.hpp"
 
 #ifdef CLOUD_COLORIZER_NANOFLANN
 #include <nanoflann.hpp>

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/evaluation/refine_pose.hpp"
+#include "evaluation/refine_pose.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "cloud_colorizer/evaluation/score.hpp"
+#include "evaluation/score.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "cloud_colorizer/evaluation/test_bed.hpp"
+#include "evaluation/test_bed.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -12,8 +12,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/evaluation/tables.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "evaluation/tables.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/evaluation/score.hpp"
+#include "evaluation/score.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numeric>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/evaluation/neighbors.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "evaluation/neighbors.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/evaluation/table.hpp"
+#include "evaluation/table.hpp"
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -10,8 +10,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/io.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/cloud/cloud_io.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -9,10 +9,10 @@
 #include <map>
 #include <set>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/evaluation/neighbors.hpp"
-#include "cloud_colorizer/evaluation/tables.hpp"
-#include "cloud_colorizer/picture.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/picture/picture.hpp"
+#include "evaluation/neighbors.hpp"
+#include "evaluation/tables.hpp"
 
 namespace cloud_colorizer {
 namespace {

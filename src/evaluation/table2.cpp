@@ -6,11 +6,11 @@
 #include <cstring>
 #include <set>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/evaluation/neighbors.hpp"
-#include "cloud_colorizer/evaluation/random.hpp"
-#include "cloud_colorizer/evaluation/tables.hpp"
-#include "cloud_colorizer/parallel.hpp"
+#include "base/parallel.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "evaluation/neighbors.hpp"
+#include "evaluation/random.hpp"
+#include "evaluation/tables.hpp"
 
 namespace cloud_colorizer {
 namespace {

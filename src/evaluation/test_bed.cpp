@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/evaluation/test_bed.hpp"
+#include "evaluation/test_bed.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/evaluation/random.hpp"
-#include "cloud_colorizer/parallel.hpp"
+#include "base/parallel.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "evaluation/random.hpp"
 
 namespace cloud_colorizer {
 namespace {

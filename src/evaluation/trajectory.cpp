@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "trajectory.hpp"
+#include "evaluation/trajectory.hpp"
 
 #include <cmath>
 
-#include "cloud_colorizer/alignment/poses.hpp"
+#include "alignment/poses.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "cloud_colorizer/view.hpp"
+#include "cloud_colorizer/camera/view.hpp"
 
 namespace cloud_colorizer {
 

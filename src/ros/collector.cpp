@@ -15,9 +15,9 @@
 #include <optional>
 #include <sstream>
 
-#include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
-#include "view_writer.hpp"
+#include "ros/view_writer.hpp"
 
 namespace cloud_colorizer {
 namespace {

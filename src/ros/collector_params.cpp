@@ -3,7 +3,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/collector.hpp"
 
 namespace cloud_colorizer {

@@ -7,7 +7,7 @@
 #include <iostream>
 #include <string>
 
-#include "cloud_colorizer/ros/node.hpp"
+#include "ros/node.hpp"
 
 namespace {
 

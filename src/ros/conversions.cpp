@@ -9,7 +9,7 @@
 #include <limits>
 #include <set>
 
-#include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/base/check.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "map_job.hpp"
+#include "ros/map_job.hpp"
 
 #include <ros/console.h>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/colorize.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/map/colorize.hpp"
 
 namespace cloud_colorizer {
 

@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 
-#include "cloud_colorizer/recording.hpp"
-#include "node_output.hpp"
+#include "cloud_colorizer/recording/recording.hpp"
+#include "ros/node_output.hpp"
 
 namespace cloud_colorizer {
 

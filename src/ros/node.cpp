@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "cloud_colorizer/ros/node.hpp"
+#include "ros/node.hpp"
 
 #include <cloud_colorizer/SaveMap.h>
 #include <nav_msgs/Path.h>
@@ -17,14 +17,14 @@
 #include <optional>
 #include <thread>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/io.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
-#include "cloud_colorizer/ros/preview.hpp"
-#include "inbox.hpp"
-#include "map_job.hpp"
-#include "node_output.hpp"
-#include "topic_monitor.hpp"
+#include "ros/inbox.hpp"
+#include "ros/map_job.hpp"
+#include "ros/node_output.hpp"
+#include "ros/preview.hpp"
+#include "ros/topic_monitor.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "node_output.hpp"
+#include "ros/node_output.hpp"
 
 #include <cloud_colorizer/ColorizeStatus.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -10,9 +10,9 @@
 #include <algorithm>
 #include <fstream>
 
-#include "cloud_colorizer/colorize.hpp"
+#include "cloud_colorizer/map/colorize.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
-#include "cloud_colorizer/ros/preview.hpp"
+#include "ros/preview.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
-#include "cloud_colorizer/recording.hpp"
+#include "cloud_colorizer/recording/recording.hpp"
 #include "cloud_colorizer/ros/params.hpp"
-#include "topic_monitor.hpp"
+#include "ros/topic_monitor.hpp"
 
 namespace cloud_colorizer {
 

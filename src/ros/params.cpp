@@ -13,7 +13,7 @@
 #include <limits>
 #include <sstream>
 
-#include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/base/check.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "cloud_colorizer/ros/preview.hpp"
+#include "ros/preview.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "cloud_colorizer/ros/node.hpp"
+#include "ros/node.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -10,9 +10,9 @@
 #include <set>
 #include <sstream>
 
-#include "cloud_colorizer/check.hpp"
+#include "base/text.hpp"
+#include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/bag_source.hpp"
-#include "cloud_colorizer/text.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "view_writer.hpp"
+#include "ros/view_writer.hpp"
 
 #include <chrono>
 #include <utility>

@@ -10,10 +10,10 @@
 #include <future>
 #include <string>
 
-#include "cloud_colorizer/recording.hpp"
+#include "cloud_colorizer/recording/recording.hpp"
 #include "cloud_colorizer/ros/collector.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
-#include "encoder_pool.hpp"
+#include "ros/encoder_pool.hpp"
 
 namespace cloud_colorizer {
 

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "cloud_colorizer/simulation/drive.hpp"
+#include "simulation/drive.hpp"
 
 #include <array>
 #include <cmath>
 
-#include "cloud_colorizer/simulation/random.hpp"
+#include "simulation/random.hpp"
 
 namespace cloud_colorizer::simulation {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "patterns.hpp"
+#include "simulation/patterns.hpp"
 
 namespace cloud_colorizer::simulation {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstring>
 
-#include "patterns.hpp"
+#include "simulation/patterns.hpp"
 
 namespace cloud_colorizer::simulation {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cloud_colorizer/simulation/random.hpp"
-#include "cloud_colorizer/simulation/sensors.hpp"
+#include "simulation/random.hpp"
+#include "simulation/sensors.hpp"
 
 namespace cloud_colorizer::simulation {
 namespace {

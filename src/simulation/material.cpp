@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "patterns.hpp"
+#include "simulation/patterns.hpp"
 
 namespace cloud_colorizer::simulation {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "cloud_colorizer/simulation/options.hpp"
+#include "simulation/options.hpp"
 
 #include <yaml-cpp/yaml.h>
 
 #include <sstream>
 #include <type_traits>
 
-#include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/base/check.hpp"
 
 namespace cloud_colorizer::simulation {
 namespace {

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "cloud_colorizer/simulation/material.hpp"
-#include "cloud_colorizer/simulation/random.hpp"
+#include "simulation/material.hpp"
+#include "simulation/random.hpp"
 
 namespace cloud_colorizer::simulation {
 

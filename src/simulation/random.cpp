@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "cloud_colorizer/simulation/random.hpp"
+#include "simulation/random.hpp"
 
 #include <array>
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "cloud_colorizer/parallel.hpp"
-#include "cloud_colorizer/simulation/random.hpp"
-#include "cloud_colorizer/simulation/sensors.hpp"
+#include "base/parallel.hpp"
+#include "simulation/random.hpp"
+#include "simulation/sensors.hpp"
 
 namespace cloud_colorizer::simulation {
 namespace {

@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "cloud_colorizer/simulation/scene.hpp"
+#include "simulation/scene.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
 
-#include "cloud_colorizer/parallel.hpp"
-#include "cloud_colorizer/simulation/random.hpp"
+#include "base/parallel.hpp"
+#include "simulation/random.hpp"
 
 namespace cloud_colorizer::simulation {
 namespace {

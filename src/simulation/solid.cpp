@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "cloud_colorizer/simulation/solid.hpp"
+#include "simulation/solid.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/base/check.hpp"
 
 namespace cloud_colorizer::simulation {
 namespace {

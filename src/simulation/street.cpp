@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "cloud_colorizer/simulation/street.hpp"
+#include "simulation/street.hpp"
 
 #include <array>
 #include <cmath>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/simulation/random.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "simulation/random.hpp"
 
 namespace cloud_colorizer::simulation {
 namespace {

@@ -6,9 +6,9 @@
 #include <fstream>
 #include <iomanip>
 
-#include "cloud_colorizer/check.hpp"
-#include "cloud_colorizer/simulation/random.hpp"
-#include "cloud_colorizer/simulation/truth.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "simulation/random.hpp"
+#include "simulation/truth.hpp"
 
 namespace cloud_colorizer::simulation {
 namespace {

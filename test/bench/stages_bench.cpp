@@ -6,9 +6,9 @@
 
 #include <map>
 
-#include "cloud_colorizer/evaluation/methods.hpp"
-#include "cloud_colorizer/fuse.hpp"
-#include "cloud_colorizer/system.hpp"
+#include "cloud_colorizer/color/fuse.hpp"
+#include "cloud_colorizer/color/system.hpp"
+#include "evaluation/methods.hpp"
 
 namespace cloud_colorizer {
 namespace {

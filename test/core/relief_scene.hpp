@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "cloud_colorizer/alignment.hpp"
+#include "cloud_colorizer/alignment/align.hpp"
 
 namespace cloud_colorizer::test {
 

@@ -12,8 +12,8 @@
 #include <unordered_set>
 #include <vector>
 
-#include "cloud_colorizer/camera.hpp"
-#include "cloud_colorizer/types.hpp"
+#include "cloud_colorizer/base/types.hpp"
+#include "cloud_colorizer/camera/camera.hpp"
 
 namespace cloud_colorizer::test {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/evaluation/heldout.hpp"
+#include "evaluation/heldout.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "cloud_colorizer/evaluation/clouds.hpp"
-#include "cloud_colorizer/evaluation/refine_pose.hpp"
-#include "cloud_colorizer/evaluation/test_bed.hpp"
+#include "evaluation/clouds.hpp"
+#include "evaluation/refine_pose.hpp"
+#include "evaluation/test_bed.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/evaluation/limited.hpp"
+#include "evaluation/limited.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -8,10 +8,10 @@
 #include <stdexcept>
 #include <vector>
 
-#include "cloud_colorizer/evaluation/methods.hpp"
-#include "cloud_colorizer/evaluation/neighbors.hpp"
-#include "cloud_colorizer/evaluation/table.hpp"
+#include "evaluation/methods.hpp"
+#include "evaluation/neighbors.hpp"
 #include "evaluation/one_view.hpp"
+#include "evaluation/table.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/evaluation/methods.hpp"
+#include "evaluation/methods.hpp"
 
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "cloud_colorizer/evaluation/neighbors.hpp"
-#include "cloud_colorizer/evaluation/tables.hpp"
+#include "evaluation/neighbors.hpp"
 #include "evaluation/one_view.hpp"
+#include "evaluation/tables.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "cloud_colorizer/observe.hpp"
+#include "cloud_colorizer/visibility/observe.hpp"
 
 namespace cloud_colorizer {
 

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/evaluation/score.hpp"
+#include "evaluation/score.hpp"
 
 #include <gtest/gtest.h>
 
-#include "cloud_colorizer/evaluation/neighbors.hpp"
+#include "evaluation/neighbors.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "trajectory.hpp"
+#include "evaluation/trajectory.hpp"
 
 #include <gtest/gtest.h>
 

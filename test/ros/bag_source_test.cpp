@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "cloud_colorizer/check.hpp"
+#include "cloud_colorizer/base/check.hpp"
 #include "ros/messages.hpp"
 #include "ros/small_bag.hpp"
 

@@ -19,8 +19,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "cloud_colorizer/io.hpp"
-#include "cloud_colorizer/recording.hpp"
+#include "cloud_colorizer/cloud/cloud_io.hpp"
+#include "cloud_colorizer/recording/recording.hpp"
 #include "cloud_colorizer/ros/bag_source.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
 #include "cloud_colorizer/ros/params.hpp"

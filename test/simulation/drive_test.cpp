@@ -8,7 +8,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "cloud_colorizer/simulation/truth.hpp"
+#include "simulation/truth.hpp"
 
 namespace cloud_colorizer::simulation {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "cloud_colorizer/simulation/scene.hpp"
+#include "simulation/scene.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "cloud_colorizer/simulation/random.hpp"
-#include "cloud_colorizer/simulation/street.hpp"
+#include "simulation/random.hpp"
+#include "simulation/street.hpp"
 
 namespace cloud_colorizer::simulation {
 namespace {

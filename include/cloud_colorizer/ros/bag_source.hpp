@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "cloud_colorizer/base/types.hpp"
 #include "cloud_colorizer/ros/collector.hpp"
-#include "cloud_colorizer/types.hpp"
 
 namespace cloud_colorizer {
 

@@ -22,8 +22,8 @@
 #include <string>
 #include <vector>
 
-#include "cloud_colorizer/recording.hpp"
-#include "cloud_colorizer/types.hpp"
+#include "cloud_colorizer/base/types.hpp"
+#include "cloud_colorizer/recording/recording.hpp"
 
 namespace cloud_colorizer {
 

@@ -18,8 +18,8 @@
 #include <string>
 #include <vector>
 
-#include "cloud_colorizer/camera.hpp"
-#include "cloud_colorizer/cloud.hpp"
+#include "cloud_colorizer/camera/camera.hpp"
+#include "cloud_colorizer/cloud/cloud.hpp"
 
 namespace cloud_colorizer {
 

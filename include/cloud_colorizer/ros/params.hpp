@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "cloud_colorizer/params.hpp"
+#include "cloud_colorizer/map/params.hpp"
 #include "cloud_colorizer/ros/collector.hpp"
 
 namespace cloud_colorizer {

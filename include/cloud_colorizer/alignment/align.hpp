@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Alignment: exposure and camera poses, estimated from a sample of the map and the images themselves.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <functional>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "cloud_colorizer/base/types.hpp"
+#include "cloud_colorizer/camera/camera.hpp"
+#include "cloud_colorizer/camera/view.hpp"
+#include "cloud_colorizer/surface/surfels.hpp"
+#include "cloud_colorizer/visibility/depth_image.hpp"
+
+namespace cloud_colorizer {
+
+/// What may move: nothing, each camera on its vehicle, or each view as well.
+enum class AlignPoses { kNone, kCameras, kViews };
+
+/// A prior is the standard deviation of an error that is expected: a correction must pay for its size.
+struct AlignmentParams {
+  bool align_exposure = true;  ///< a gain for every view and channel
+  /// And a darkening outwards for every camera. Not by default: to a camera that drives ahead, points move outwards as
+  /// they come near, and their sheen looks like it.
+  bool align_vignetting = false;
+  AlignPoses align_poses = AlignPoses::kViews;
+  bool align_time_offset = false;          ///< apply the time offset of each camera, not only report it
+  bool align_to_intensity = true;          ///< tie the images to the LiDAR intensity where the cloud has it
+  int alignment_points = 10000;            ///< sample points that one view uses at most
+  int alignment_rounds = 4;                ///< Gauss-Newton rounds at each blur
+  double alignment_blur = 0;               ///< px, Gaussian sigma of the first round; 0: from the pose priors
+  double pose_rotation_prior = 0.15;       ///< deg an axis, of one view against its camera
+  double pose_translation_prior = 0;       ///< m an axis; 0: moves a point as many pixels as the rotation does
+  double extrinsic_rotation_prior = 0.2;   ///< deg an axis, of a camera on its vehicle
+  double extrinsic_translation_prior = 0;  ///< m an axis; 0: as the rotation, in pixels
+  double time_offset_prior = 0.05;         ///< s, of a camera's clock
+  double max_gain = 5;                     ///< gains stay within [1 / max_gain, max_gain]
+
+  void check() const;
+};
+
+/// `points` with `surfels` are a sample of the map (a few times 10,000 points a view; any order). `depth` gives the
+/// depth image of the whole map for a view at a pose; it is called from several threads at once.
+struct AlignmentInput {
+  std::vector<Camera> cameras;
+  std::vector<View> views;
+  ImageSource images;                                                  ///< CV_8U, RGB or grey; from several threads
+  std::function<std::shared_ptr<const cv::Mat>(std::uint32_t)> masks;  ///< of a camera, 0 = do not use; may be empty
+  Points points;
+  Surfels surfels;
+  Eigen::VectorXf intensity;  ///< of each point, any scale; empty: none
+  std::function<std::shared_ptr<const DepthImage>(std::size_t view, const Eigen::Isometry3d& map_from_camera)> depth;
+  DepthParams depth_params;
+  int num_threads = 0;         ///< 0: one a core
+  double memory_limit = 1000;  ///< MB for what the views see and for blurred images that are kept between rounds
+};
+
+struct ViewAlignment {
+  Eigen::Isometry3d map_from_camera = Eigen::Isometry3d::Identity();  ///< corrected
+  Exposure exposure;           ///< gain by channel of its image (empty where none was estimated), vignetting
+  float weight = 1;            ///< 0.1 to 1: sharpness against the other views
+  bool refused = false;        ///< keeps the pose it came with (but for its camera's correction)
+  std::string reason;          ///< why it was refused
+  std::size_t num_points = 0;  ///< sample points shared with other views
+  double rotation = 0;         ///< deg
+  double translation = 0;      ///< m
+  double pixels = 0;           ///< median shift of its points in the image
+  double residual_before = 0;  ///< grey levels, median distance to the points' mean, after the gains
+  double residual_after = 0;
+};
+
+struct CameraAlignment {
+  Eigen::Isometry3d corrected_from_camera = Eigen::Isometry3d::Identity();  ///< shared correction, in its own frame
+  double rotation = 0;                                                      ///< deg
+  double translation = 0;                                                   ///< m
+  double uncertainty = 0;                                                   ///< px, of the shared correction
+  Eigen::Array2f vignetting = Eigen::Array2f::Zero();                       ///< see Exposure::vignetting
+  double views_uncertainty = 0;                                             ///< px, of its views' own corrections
+  double time_offset = 0;            ///< s to add to the stamps for the best agreement
+  double time_offset_stddev = 0;     ///< s; 0 when there is no motion to tell it from
+  bool time_offset_suspect = false;  ///< large against its uncertainty and worth a warning
+};
+
+struct AlignmentResult {
+  std::vector<ViewAlignment> views;
+  std::vector<CameraAlignment> cameras;
+  bool poses_aligned = false, exposure_aligned = false;
+  std::vector<std::string> warnings;               ///< what looks wrong, or why nothing was done, one sentence each
+  double residual_before = 0, residual_after = 0;  ///< grey levels, median over all observations
+  double pixels = 0;                               ///< median over the views of their median shift
+  double seconds = 0;
+};
+
+/// Estimates what makes the images agree with each other and with the map. Cost grows with the views, not with the
+/// map. The same result for any number of threads. Throws std::invalid_argument on inconsistent input.
+AlignmentResult align(const AlignmentInput& input, const AlignmentParams& params, const Callbacks& callbacks);
+
+std::string describe(const AlignmentResult& result);  ///< a paragraph without the warnings
+std::string alignmentCsv(const AlignmentResult& result, const std::vector<View>& views);  ///< one line a view
+cv::Mat3b alignmentPicture(const AlignmentResult& result);  ///< BGR: corrections, gains and residuals by view
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Fills a recording from files: a cloud, a folder of images and a COLMAP text model.
+#pragma once
+
+#include <string>
+
+#include "cloud_colorizer/base/types.hpp"
+#include "cloud_colorizer/recording/recording.hpp"
+
+namespace cloud_colorizer {
+
+struct ModelFiles {
+  std::string cloud;   ///< .ply or .pcd
+  std::string images;  ///< folder
+  std::string model;   ///< folder with cameras.txt and images.txt
+};
+
+/// Makes the recording in `directory`, which must not hold one already. `voxel_size` thins as usual; ranges do not
+/// apply, since nobody knows where the points were measured from. A `tile_size` of 0 is chosen from the extent of the
+/// cloud. Throws std::runtime_error: missing files or folders, an image of another size than its camera's, an empty
+/// cloud.
+Recording importModel(const ModelFiles& files, const std::string& directory, const RecordParams& params,
+                      const Callbacks& callbacks);
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The runner: from a recording to a coloured map.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "cloud_colorizer/base/types.hpp"
+#include "cloud_colorizer/cloud/cloud.hpp"
+#include "cloud_colorizer/map/params.hpp"
+#include "cloud_colorizer/recording/recording.hpp"
+#include "cloud_colorizer/visibility/observe.hpp"
+
+namespace cloud_colorizer {
+
+struct ColorizeSummary {
+  std::size_t num_points = 0, num_colored = 0;
+  std::array<std::size_t, 6> by_reason{};  ///< number of points, by Unseen
+  double seconds = 0;
+  std::string describe() const;  ///< one line for the log
+};
+
+/// Colours every tile: surfels, depth images, (alignment,) chunks. Finished units of work are kept in the recording
+/// and used again when the same recording is coloured with the same parameters.
+/// Throws std::runtime_error with reason and remedy when there is nothing to colour or from.
+ColorizeSummary colorize(const Recording& recording, const Params& params, const Callbacks& callbacks);
+
+/// map_from_camera of every view, relative to the origin: corrected when colorize() aligned the recording with these
+/// parameters, else as recorded.
+std::vector<Eigen::Isometry3d> usedPoses(const Recording& recording, const Params& params);
+
+/// Fields of the coloured map: those of the recording (a clash gets the prefix "input_"), then rgb (FLOAT32, packed),
+/// view_count (UINT16), color_stddev (FLOAT32).
+std::vector<Field> coloredFields(const Recording& recording);
+
+/// Visits the coloured map tile by tile (after colorize). Positions are relative to the origin where `relative`.
+void forEachColoredTile(const Recording& recording, const Params& params, bool relative,
+                        const std::function<void(const Cloud&)>& visit);
+
+/// Writes the coloured map; returns the number of points written.
+std::size_t saveColored(const Recording& recording, const Params& params, const std::string& path,
+                        const Callbacks& callbacks);
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Pictures of a cloud: what a person looks at to judge the colours.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <functional>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "cloud_colorizer/base/types.hpp"
+
+namespace cloud_colorizer {
+
+struct PictureParams {
+  int width = 1280, height = 720;  ///< px
+  double field_of_view = 70;       ///< deg, horizontal
+  double point_size = 0.06;        ///< m, diameter of the disc that stands for a point
+  Eigen::Vector3f background = {203, 216, 228};
+
+  void check() const;  ///< throws std::invalid_argument
+};
+
+/// Pose of a camera at `eye` that looks at `target` with +z of the map upwards in the picture (+x when it looks
+/// straight down or up). Throws std::invalid_argument where the two are the same point.
+Eigen::Isometry3d lookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target);
+
+/// A source of points and their colours (3 x n each, RGB 0 to 255); calls back for each block, the same every time.
+using ColoredPoints = std::function<void(const std::function<void(PointsRef, ValuesRef)>&)>;
+
+/// Draws the points as discs, nearer ones before farther ones, blended where they lie on one surface.
+/// Goes through `points` twice; memory is that of the picture. Returns CV_8UC3 in OpenCV's order (BGR).
+cv::Mat drawPicture(const ColoredPoints& points, const Eigen::Isometry3d& map_from_camera, const PictureParams& params);
+
+/// Colours for numbers: dark blue for `low` to yellow for `high`; grey for what is not finite or below `low`.
+Values colorScale(const Eigen::Ref<const Eigen::VectorXf>& numbers, float low, float high);
+
+/// Pictures of one height side by side, each with its caption below.
+cv::Mat besideEachOther(const std::vector<cv::Mat>& pictures, const std::vector<std::string>& captions);
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Gains: one factor a view that makes the views of the same points equally bright.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "alignment/blurred_images.hpp"
+#include "alignment/tracks.hpp"
+
+namespace cloud_colorizer::alignment {
+
+/// log gain x_v of every view: minimises sum rho(v_k (log v_k + x_v(k) - m_p(k))) over x and the points' m, with
+/// robust weights, so in grey levels. `values` [grey levels, > 0] and `weights` by observation; weight 0 has no vote.
+/// Gauge: the sum of the values of all voting observations stays. A view that shares no point keeps 0. Clamped to
+/// +-log(max_gain).
+Eigen::VectorXd estimateLogGains(const Tracks& tracks, const std::vector<float>& values,
+                                 const std::vector<float>& weights, double max_gain, int num_threads);
+
+/// Median of a copy of the values; 0 of none.
+float median(std::vector<float> values);
+
+/// From the median magnitude of normal errors to their standard deviation.
+constexpr double kMadToSigma = 1.4826;
+
+/// Cauchy weight 1 / (1 + (r / (2.385 scale))^2): outliers fade, and never become certain to be so.
+inline float cauchyWeight(float residual, float scale) {
+  const float x = residual / (2.385F * scale);
+  return 1 / (1 + x * x);
+}
+
+/// Median of the values of every point among observations of positive weight; 0 without.
+std::vector<float> pointMedians(const Tracks& tracks, const std::vector<float>& values,
+                                const std::vector<float>& weights);
+
+}  // namespace cloud_colorizer::alignment

@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "alignment/intensity.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "alignment/gains.hpp"
+
+namespace cloud_colorizer::alignment {
+namespace {
+
+constexpr int kBins = 16;
+constexpr int kMinInBlock = 8;        // observations that make a local mean
+constexpr double kEvidenceShare = 1;  // on top of that of the observations themselves
+constexpr float kClipLevels = 40;     // grey levels from the local mean: beyond is an outlier
+
+using Vector6f = Eigen::Matrix<float, 6, 1>;
+
+// Everything relative to the local mean; weight 0 where there is none.
+struct Relative {
+  std::vector<float> values, ranks, weights;
+  std::vector<Vector6f> jacobians;
+};
+
+struct BlockMean {
+  float value = 0, rank = 0, weight = 0;
+  Vector6f jacobian = Vector6f::Zero();
+  int count = 0;
+};
+
+void relateView(const Tracks& tracks, const Samples& samples, const Eigen::VectorXf& ranks, std::size_t v,
+                Relative& relative) {
+  const Equations<6>& all = samples.equations;
+  std::vector<BlockMean> means;
+  for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) {
+    if (!(all.weights[k] > 0)) continue;
+    if (samples.blocks[k] >= means.size()) means.resize(samples.blocks[k] + 1);
+    BlockMean& mean = means[samples.blocks[k]];
+    const float w = all.weights[k];
+    mean.value += w * all.values[k];
+    mean.rank += w * ranks[tracks.sightings[k].point];
+    mean.jacobian += w * all.jacobians[k];
+    mean.weight += w;
+    ++mean.count;
+  }
+  for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) {
+    if (!(all.weights[k] > 0)) continue;
+    const BlockMean& mean = means[samples.blocks[k]];
+    if (mean.count < kMinInBlock) continue;
+    relative.values[k] = std::clamp(all.values[k] - mean.value / mean.weight, -kClipLevels, kClipLevels);
+    relative.ranks[k] = ranks[tracks.sightings[k].point] - mean.rank / mean.weight;
+    relative.jacobians[k] = all.jacobians[k] - mean.jacobian / mean.weight;
+    relative.weights[k] = all.weights[k];
+  }
+}
+
+// Upper bounds of bins of about equal count.
+std::vector<float> binBounds(const Relative& relative) {
+  std::vector<float> sorted;
+  for (std::size_t k = 0; k < relative.weights.size(); ++k) {
+    if (relative.weights[k] > 0) sorted.push_back(relative.ranks[k]);
+  }
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<float> bounds;
+  for (int b = 1; b < kBins && !sorted.empty(); ++b) {
+    bounds.push_back(sorted[sorted.size() * static_cast<std::size_t>(b) / kBins]);
+  }
+  return bounds;
+}
+
+struct BinMeans {
+  std::vector<float> bounds;
+  std::vector<double> means;
+  double explained_sum = 0, total_sum = 0, weight = 0;
+
+  double operator()(float rank) const {
+    return means[static_cast<std::size_t>(std::upper_bound(bounds.begin(), bounds.end(), rank) - bounds.begin())];
+  }
+};
+
+BinMeans explain(const Relative& relative) {
+  BinMeans bins{binBounds(relative), std::vector<double>(kBins, 0), 0, 0, 0};
+  std::vector<double> weights(kBins, 0);
+  for (std::size_t k = 0; k < relative.weights.size(); ++k) {
+    const double w = relative.weights[k];
+    if (!(w > 0)) continue;
+    const auto b = static_cast<std::size_t>(
+        std::upper_bound(bins.bounds.begin(), bins.bounds.end(), relative.ranks[k]) - bins.bounds.begin());
+    bins.means[b] += w * relative.values[k];
+    weights[b] += w;
+    bins.total_sum += w * relative.values[k] * relative.values[k];
+    bins.weight += w;
+  }
+  for (std::size_t b = 0; b < kBins; ++b) {
+    if (!(weights[b] > 0)) continue;
+    bins.means[b] /= weights[b];
+    bins.explained_sum += weights[b] * bins.means[b] * bins.means[b];
+  }
+  return bins;
+}
+
+}  // namespace
+
+Eigen::VectorXf intensityRanks(const Eigen::VectorXf& intensity) {
+  if (intensity.size() == 0) return {};
+  const auto value = [&](Eigen::Index i) { return std::isnan(intensity[i]) ? -INFINITY : intensity[i]; };
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(intensity.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return value(a) < value(b); });
+  if (value(order.front()) == value(order.back())) return {};
+  Eigen::VectorXf ranks(intensity.size());
+  const auto last = static_cast<float>(order.size() - 1);
+  for (std::size_t begin = 0; begin < order.size();) {  // equal values share the middle rank
+    std::size_t end = begin;
+    while (end < order.size() && value(order[end]) == value(order[begin])) ++end;
+    for (std::size_t i = begin; i < end; ++i) ranks[order[i]] = 0.5F * static_cast<float>(begin + end - 1) / last;
+    begin = end;
+  }
+  return ranks;
+}
+
+IntensityTerm intensityTerm(const Tracks& tracks, const Samples& samples, const Eigen::VectorXf& ranks, int num_threads,
+                            const PointGroups& groups) {
+  const std::size_t count = tracks.numObservations(), num_views = tracks.numViews();
+  IntensityTerm term;
+  if (!groups.empty()) term.group_gradients.setZero(static_cast<Eigen::Index>(6 * num_views), kPointGroups);
+  term.hessians.assign(num_views, Eigen::Matrix<double, 6, 6>::Zero());
+  term.gradients.assign(num_views, Twist::Zero());
+  Relative relative{std::vector<float>(count, 0), std::vector<float>(count, 0), std::vector<float>(count, 0),
+                    std::vector<Vector6f>(count, Vector6f::Zero())};
+  parallelFor(num_threads, num_views, [&](std::size_t v) { relateView(tracks, samples, ranks, v, relative); });
+  const BinMeans bins = explain(relative);
+  if (!(bins.total_sum > 0)) return term;
+  term.explained = bins.explained_sum / bins.total_sum;
+  const double unexplained = std::max(1 - term.explained, 1e-3);
+  const double noise2 = std::max(1.0, unexplained * bins.total_sum / bins.weight);  // grey levels squared
+  term.cost = 0.5 * kEvidenceShare * bins.weight * std::log(unexplained);
+  const double factor = kEvidenceShare / noise2, explained = term.explained;
+  parallelFor(num_threads, num_views, [&](std::size_t v) {
+    for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) {
+      const double w = factor * relative.weights[k];
+      if (!(w > 0)) continue;
+      const Twist jacobian = relative.jacobians[k].cast<double>();
+      const Twist pull = w * (explained * relative.values[k] - bins(relative.ranks[k])) * jacobian;
+      term.gradients[v] += pull;
+      if (!groups.empty()) {
+        const auto row = static_cast<Eigen::Index>(6 * v),
+                   group = static_cast<Eigen::Index>(groups[tracks.sightings[k].point]);
+        term.group_gradients.col(group).segment<6>(row) += pull;
+      }
+      // Only the explained part of the grey level moves with the intensity.
+      term.hessians[v] += (w * explained) * jacobian * jacobian.transpose();
+    }
+  });
+  return term;
+}
+
+}  // namespace cloud_colorizer::alignment

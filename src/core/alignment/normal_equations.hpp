@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Normal equations of all views together, with the unknown values of the points eliminated.
+///
+/// Minimise over x_v (D numbers a view) and m_p (one a point):  sum_k w_k (y_k + J_k x_v(k) - m_p(k))^2.
+/// For any x the best m_p is a weighted mean, so it drops out (variable projection) and what remains couples every
+/// two views that share a point: H_vv' = sum_p (delta_vv' w_k - w_k w_k' / W_p) J_k' J_k'. So the views converge
+/// together, in a few steps, whatever the length of the chain between them.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/SparseCore>
+#include <vector>
+
+#include "alignment/tracks.hpp"
+#include "base/parallel.hpp"
+
+namespace cloud_colorizer::alignment {
+
+/// What the equations are made of, one entry an observation; weight 0 leaves one out.
+template <int D>
+struct Equations {
+  std::vector<float> values;                          ///< y
+  std::vector<float> weights;                         ///< w
+  std::vector<Eigen::Matrix<float, D, 1>> jacobians;  ///< J
+};
+
+/// Weighted mean of the values of every point; 0 where all weights are.
+template <int D>
+Eigen::VectorXd pointMeans(const Tracks& tracks, const Equations<D>& equations) {
+  Eigen::VectorXd means = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(tracks.numPoints()));
+  for (std::size_t p = 0; p < tracks.numPoints(); ++p) {
+    double sum = 0, weight = 0;
+    for (std::uint32_t i = tracks.point_offsets[p]; i < tracks.point_offsets[p + 1]; ++i) {
+      const std::uint32_t k = tracks.by_point[i];
+      sum += static_cast<double>(equations.weights[k]) * equations.values[k];
+      weight += equations.weights[k];
+    }
+    if (weight > 0) means[static_cast<Eigen::Index>(p)] = sum / weight;
+  }
+  return means;
+}
+
+/// H x = -g; the lower triangle of H, in triplets of scalar entries.
+struct NormalEquations {
+  std::vector<Eigen::Triplet<double>> lower;
+  Eigen::VectorXd gradient;
+};
+
+/// O(sum over points of the square of their views). Each view's row is one task; the result does not depend on threads.
+template <int D>
+NormalEquations assemble(const Tracks& tracks, const Equations<D>& equations, int num_threads) {
+  using Block = Eigen::Matrix<double, D, D>;
+  using BlockF = Eigen::Matrix<float, D, D>;
+  const std::size_t num_views = tracks.numViews();
+  const Eigen::VectorXd means = pointMeans(tracks, equations);
+  NormalEquations result;
+  result.gradient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(num_views) * D);
+  std::vector<std::vector<Eigen::Triplet<double>>> rows(num_views);
+  parallelFor(num_threads, num_views, [&](std::size_t v) {
+    std::vector<Block, Eigen::aligned_allocator<Block>> blocks(v + 1, Block::Zero());
+    std::vector<std::uint8_t> used(v + 1, 0);
+    Eigen::Matrix<double, D, 1> gradient = Eigen::Matrix<double, D, 1>::Zero();
+    used[v] = 1;
+    for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) {
+      const float w = equations.weights[k];
+      if (!(w > 0)) continue;
+      const std::uint32_t p = tracks.sightings[k].point;
+      const Eigen::Matrix<float, D, 1>& jacobian = equations.jacobians[k];
+      const double residual = equations.values[k] - means[p];
+      gradient += (w * residual) * jacobian.template cast<double>();
+      float total = 0;
+      for (std::uint32_t i = tracks.point_offsets[p]; i < tracks.point_offsets[p + 1]; ++i) {
+        total += equations.weights[tracks.by_point[i]];
+      }
+      for (std::uint32_t i = tracks.point_offsets[p]; i < tracks.point_offsets[p + 1]; ++i) {
+        const std::uint32_t other = tracks.by_point[i];
+        const std::uint32_t u = tracks.views[other];
+        if (u > v) break;
+        const float factor = (other == k ? w : 0) - w * equations.weights[other] / total;
+        if (factor == 0) continue;
+        const BlockF block = factor * jacobian * equations.jacobians[other].transpose();
+        blocks[u] += block.template cast<double>();
+        used[u] = 1;
+      }
+    }
+    const auto base = static_cast<Eigen::Index>(v) * D;
+    result.gradient.segment<D>(base) = gradient;
+    for (std::size_t u = 0; u <= v; ++u) {
+      if (!used[u]) continue;
+      for (int r = 0; r < D; ++r) {
+        for (int c = 0; c < (u == v ? r + 1 : D); ++c) {
+          rows[v].emplace_back(static_cast<int>(base) + r, static_cast<int>(u) * D + c, blocks[u](r, c));
+        }
+      }
+    }
+  });
+  for (const auto& row : rows) result.lower.insert(result.lower.end(), row.begin(), row.end());
+  return result;
+}
+
+}  // namespace cloud_colorizer::alignment

@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "alignment/pose_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "alignment/gains.hpp"
+#include "alignment/normal_equations.hpp"
+
+namespace cloud_colorizer::alignment {
+namespace {
+
+constexpr float kMinScale = 1;  // grey levels: residuals below it are as good as none
+
+// Residuals against `centres` of the observations whose point has another one; NaN for the others.
+std::vector<float> residualsTo(const Tracks& tracks, const Equations<6>& equations, const std::vector<float>& centres) {
+  std::vector<float> residuals(tracks.numObservations(), std::nanf(""));
+  for (std::size_t p = 0; p < tracks.numPoints(); ++p) {
+    int seen = 0;
+    const std::uint32_t begin = tracks.point_offsets[p], end = tracks.point_offsets[p + 1];
+    for (std::uint32_t i = begin; i < end; ++i) seen += equations.weights[tracks.by_point[i]] > 0;
+    if (seen < 2) continue;
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const std::uint32_t k = tracks.by_point[i];
+      if (equations.weights[k] > 0) residuals[k] = equations.values[k] - centres[p];
+    }
+  }
+  return residuals;
+}
+
+float medianMagnitude(const std::vector<float>& residuals) {
+  std::vector<float> magnitudes;
+  magnitudes.reserve(residuals.size());
+  for (const float r : residuals) {
+    if (!std::isnan(r)) magnitudes.push_back(std::abs(r));
+  }
+  return median(std::move(magnitudes));
+}
+
+}  // namespace
+
+Evaluation evaluate(const PoseData& data, const PoseState& state, const Evaluation& like, int num_threads,
+                    const PointGroups& groups) {
+  const Tracks& tracks = *data.tracks;
+  const float scale = like.scale;
+  const double weight = like.weight;
+  Evaluation result;
+  Samples samples = sampleAll(data, state, num_threads);
+  if (data.ranks) result.intensity = intensityTerm(tracks, samples, *data.ranks, num_threads, groups);
+  Equations<6>& equations = result.equations = std::move(samples.equations);
+  const std::vector<float> medians = pointMedians(tracks, equations.values, equations.weights);
+  std::vector<float> residuals = residualsTo(tracks, equations, medians);
+  result.residual = medianMagnitude(residuals);
+  result.scale = scale > 0 ? scale : std::max(kMinScale, static_cast<float>(kMadToSigma) * result.residual);
+  const std::vector<float> base = equations.weights;
+  for (std::size_t k = 0; k < base.size(); ++k) {
+    const bool shared = !std::isnan(residuals[k]);
+    equations.weights[k] =
+        shared ? base[k] * cauchyWeight(residuals[k], result.scale) / (result.scale * result.scale) : 0;
+  }
+  const Eigen::VectorXd means = pointMeans(tracks, equations);
+  const double c = 2.385;
+  double cost = 0;
+  for (std::size_t k = 0; k < base.size(); ++k) {
+    if (!(equations.weights[k] > 0)) continue;
+    const double x = (equations.values[k] - means[tracks.sightings[k].point]) / (c * result.scale);
+    cost += 0.5 * base[k] * c * c * std::log1p(x * x);
+    result.weight += base[k];
+  }
+  if (result.weight > 0) result.cost = cost * (weight > 0 ? weight / result.weight : 1);
+  result.cost += result.intensity.cost;
+  return result;
+}
+
+System assembleSystem(const PoseData& data, const Evaluation& evaluation, const PriorTerms& terms,
+                      const PoseState& state, int num_threads) {
+  NormalEquations normal = assemble(*data.tracks, evaluation.equations, num_threads);
+  System system;
+  system.gradient = Eigen::VectorXd::Zero(terms.size());
+  system.gradient.head(normal.gradient.size()) = normal.gradient;
+  for (std::size_t v = 0; v < evaluation.intensity.gradients.size(); ++v) {
+    const auto base = static_cast<int>(6 * v);
+    system.gradient.segment<6>(base) += evaluation.intensity.gradients[v];
+    for (int r = 0; r < 6; ++r) {
+      for (int c = 0; c <= r; ++c)
+        normal.lower.emplace_back(base + r, base + c, evaluation.intensity.hessians[v](r, c));
+    }
+  }
+  system.data_diagonal = Eigen::VectorXd::Zero(terms.size());
+  for (const auto& entry : normal.lower) {
+    if (entry.row() == entry.col()) system.data_diagonal[entry.row()] += entry.value();
+  }
+  terms.addTo(state, normal.lower, system.gradient);
+  system.lower.resize(terms.size(), terms.size());
+  system.lower.setFromTriplets(normal.lower.begin(), normal.lower.end());
+  return system;
+}
+
+}  // namespace cloud_colorizer::alignment

@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Tracks: which view sees which sample point, by view and by point.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <vector>
+
+#include "cloud_colorizer/alignment/align.hpp"
+#include "surface/point_runs.hpp"
+
+namespace cloud_colorizer::alignment {
+
+/// One view's sight of one point.
+struct Sighting {
+  std::uint32_t point = 0;
+  float weight = 1;         ///< cosine of the incidence
+  float edge_distance = 0;  ///< px to the guard band of the nearest depth edge or the image border
+};
+
+/// Observation k of view v: offsets[v] <= k < offsets[v + 1], by ascending point. The observations of point p are
+/// by_point[point_offsets[p]] ... by_point[point_offsets[p + 1] - 1], by ascending view.
+struct Tracks {
+  std::vector<std::uint32_t> offsets, views;
+  std::vector<Sighting> sightings;
+  std::vector<std::uint32_t> point_offsets, by_point;
+
+  std::size_t numViews() const { return offsets.empty() ? 0 : offsets.size() - 1; }
+  std::size_t numPoints() const { return point_offsets.empty() ? 0 : point_offsets.size() - 1; }
+  std::size_t numObservations() const { return sightings.size(); }
+};
+
+/// The sample points that a view at a pose sees clearly, ascending: at most `max_points`, the same choice of points in
+/// all views. `runs` are those of input.points.
+std::vector<Sighting> findSightings(const AlignmentInput& input, const std::vector<PointRun>& runs, std::size_t view,
+                                    const Eigen::Isometry3d& map_from_camera, std::size_t max_points);
+
+/// A number for each point in [0, kPointGroups), the same within a block of the map: what is in different groups is
+/// independent. Empty: no groups.
+using PointGroups = std::vector<std::uint8_t>;
+constexpr int kPointGroups = 32;
+
+/// Of at most `max_points` of each view, chosen as in findSightings.
+Tracks makeTracks(const std::vector<std::vector<Sighting>>& by_view, std::size_t num_points, std::size_t max_points);
+
+}  // namespace cloud_colorizer::alignment

@@ -1,0 +1,152 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "alignment/vignetting.hpp"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "alignment/gains.hpp"
+#include "alignment/significance.hpp"
+#include "base/parallel.hpp"
+
+namespace cloud_colorizer::alignment {
+namespace {
+
+constexpr int kSweeps = 10;            // of demeaning by view and by point
+constexpr int kRobustRounds = 3;       // of weights
+constexpr float kMinScale = 0.01F;     // of the brightness
+constexpr double kSystematic = 0.005;  // of the brightness: what images get wrong together
+constexpr double kBlockShare = 0.02;   // of the map's size: side of a block
+
+using Columns = Eigen::Matrix<float, Eigen::Dynamic, 3>;  // log brightness, r^2, r^4: a row an observation
+
+// Of one camera: rows of other cameras have weight 0.
+struct Problem {
+  Columns columns;
+  std::vector<float> weights;
+};
+
+Problem makeProblem(const AlignmentInput& input, const Tracks& tracks, const PoseState& state, std::uint32_t camera,
+                    const std::vector<float>& values, const std::vector<float>& weights) {
+  Problem problem{Columns::Zero(static_cast<Eigen::Index>(values.size()), 3), std::vector<float>(values.size(), 0)};
+  const Camera& projection = input.cameras[camera];
+  const auto width = static_cast<float>(projection.intrinsics().width);
+  const auto height = static_cast<float>(projection.intrinsics().height);
+  Exposure square;
+  square.vignetting = {1, 0};
+  for (std::size_t v = 0; v < tracks.numViews(); ++v) {
+    if (input.views[v].camera != camera) continue;
+    const Eigen::Isometry3d camera_from_map = correctedPose(input.views[v], state.views[v]).inverse();
+    for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) {
+      if (!(weights[k] > 0)) continue;
+      const auto pixel =
+          projection.linearize(camera_from_map * input.points.col(tracks.sightings[k].point).cast<double>());
+      if (!pixel) continue;
+      const Eigen::Vector2f at = pixel->pixel.cast<float>();
+      const float r2 = std::log(square.brightening(at.x(), at.y(), width, height));
+      problem.columns.row(static_cast<Eigen::Index>(k)) << std::log(values[k]), r2, r2 * r2;
+      problem.weights[k] = weights[k];
+    }
+  }
+  return problem;
+}
+
+// Takes the weighted means away, by view and by point in turn, until neither is left.
+Columns demeaned(const Tracks& tracks, const Problem& problem) {
+  Columns columns = problem.columns;
+  const auto subtract = [&](std::size_t begin, std::size_t end, const auto& observation) {
+    Eigen::RowVector3f sum = Eigen::RowVector3f::Zero();
+    float weight = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto k = static_cast<Eigen::Index>(observation(i));
+      sum += problem.weights[observation(i)] * columns.row(k);
+      weight += problem.weights[observation(i)];
+    }
+    if (!(weight > 0)) return;
+    for (std::size_t i = begin; i < end; ++i) columns.row(static_cast<Eigen::Index>(observation(i))) -= sum / weight;
+  };
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (std::size_t v = 0; v < tracks.numViews(); ++v) {
+      subtract(tracks.offsets[v], tracks.offsets[v + 1], [](std::size_t i) { return i; });
+    }
+    for (std::size_t p = 0; p < tracks.numPoints(); ++p) {
+      subtract(tracks.point_offsets[p], tracks.point_offsets[p + 1],
+               [&](std::size_t i) { return static_cast<std::size_t>(tracks.by_point[i]); });
+    }
+  }
+  return columns;
+}
+
+// Coefficients that make the log brightness even, and what the blocks of the map disagree about them.
+struct Fit {
+  Eigen::Vector2d coefficients = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  Eigen::Matrix2d moments = Eigen::Matrix2d::Zero();  // of r^2 and r^4 about their means, by observation
+};
+
+Fit regress(const Tracks& tracks, const Columns& columns, const std::vector<float>& weights,
+            const PointGroups& groups) {
+  Fit fit;
+  Eigen::Matrix2d normal = 1e-9 * Eigen::Matrix2d::Identity();
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  double total = 0;
+  for (Eigen::Index k = 0; k < columns.rows(); ++k) {
+    const double w = weights[static_cast<std::size_t>(k)];
+    const Eigen::Vector2d radii = columns.row(k).tail<2>().cast<double>();
+    normal += w * radii * radii.transpose();
+    right -= w * columns(k, 0) * radii;
+    total += w;
+  }
+  fit.coefficients = normal.ldlt().solve(right);
+  fit.moments = normal / std::max(1e-9, total);
+  Eigen::Matrix<double, 2, kPointGroups> pulls = Eigen::Matrix<double, 2, kPointGroups>::Zero();
+  for (Eigen::Index k = 0; k < columns.rows(); ++k) {
+    const Eigen::Vector2d radii = columns.row(k).tail<2>().cast<double>();
+    const double residual = columns(k, 0) + radii.dot(fit.coefficients);
+    pulls.col(groups[tracks.sightings[static_cast<std::size_t>(k)].point]) +=
+        weights[static_cast<std::size_t>(k)] * residual * radii;
+  }
+  const Eigen::Matrix2d inverse = normal.inverse();
+  fit.covariance = inverse * (pulls * pulls.transpose()) * inverse;
+  return fit;
+}
+
+void reweigh(const Columns& columns, const Eigen::Vector2d& coefficients, const std::vector<float>& base,
+             std::vector<float>& weights) {
+  std::vector<float> residuals(base.size()), magnitudes;
+  for (std::size_t k = 0; k < base.size(); ++k) {
+    const auto row = columns.row(static_cast<Eigen::Index>(k));
+    residuals[k] = row[0] + row.tail<2>().dot(coefficients.cast<float>().transpose());
+    if (base[k] > 0) magnitudes.push_back(std::abs(residuals[k]));
+  }
+  const float scale = std::max(kMinScale, static_cast<float>(kMadToSigma) * median(std::move(magnitudes)));
+  for (std::size_t k = 0; k < base.size(); ++k) weights[k] = base[k] * cauchyWeight(residuals[k], scale);
+}
+
+}  // namespace
+
+std::vector<Eigen::Array2f> estimateVignetting(const AlignmentInput& input, const Tracks& tracks,
+                                               const PoseState& state, const std::vector<float>& values,
+                                               const std::vector<float>& weights) {
+  std::vector<Eigen::Array2f> result(input.cameras.size(), Eigen::Array2f::Zero());
+  if (tracks.numObservations() == 0) return result;
+  const double size = (input.points.rowwise().maxCoeff() - input.points.rowwise().minCoeff()).maxCoeff();
+  const PointGroups groups = groupPoints(input, std::max(1e-9, kBlockShare * size));
+  parallelFor(input.num_threads, result.size(), [&](std::size_t camera) {
+    Problem problem = makeProblem(input, tracks, state, static_cast<std::uint32_t>(camera), values, weights);
+    const std::vector<float> base = problem.weights;
+    Fit fit;
+    for (int round = 0; round < kRobustRounds; ++round) {
+      const Columns columns = demeaned(tracks, problem);
+      fit = regress(tracks, columns, problem.weights, groups);
+      reweigh(columns, fit.coefficients, base, problem.weights);
+    }
+    const double found = std::sqrt(fit.coefficients.dot(fit.moments * fit.coefficients));
+    const double uncertainty = std::sqrt((fit.moments * fit.covariance).trace());
+    const double factor = shrinkFactor(found, std::hypot(uncertainty, kSystematic));
+    result[camera] = (factor * fit.coefficients).cast<float>().array();
+  });
+  return result;
+}
+
+}  // namespace cloud_colorizer::alignment

@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Vignetting: how much darker a camera's images are towards their corners.
+#pragma once
+
+#include <vector>
+
+#include "alignment/poses.hpp"
+#include "alignment/tracks.hpp"
+
+namespace cloud_colorizer::alignment {
+
+/// Coefficients (see Exposure::vignetting) of every camera; zero where the data do not ask for them: where the
+/// correction is no larger than its uncertainty, by the scatter of blocks of the map (significance.hpp).
+/// `values` [grey levels, > 0] and `weights` by observation; weight 0 has no vote. Gains of views and the points' own
+/// brightness are free: with columns demeaned by view and by point (the Frisch-Waugh-Lovell theorem) what remains is a
+/// regression of log brightness on r^2 and r^4.
+std::vector<Eigen::Array2f> estimateVignetting(const AlignmentInput& input, const Tracks& tracks,
+                                               const PoseState& state, const std::vector<float>& values,
+                                               const std::vector<float>& weights);
+
+}  // namespace cloud_colorizer::alignment

@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/text.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <clocale>
+#include <cstdlib>
+#include <filesystem>
+#include <iomanip>
+#include <locale>
+#include <sstream>
+
+namespace cloud_colorizer {
+
+namespace {
+
+locale_t plainLocale() {
+  static const locale_t locale = newlocale(LC_ALL_MASK, "C", nullptr);
+  return locale;
+}
+
+}  // namespace
+
+std::string formatDouble(double value) {
+  std::string text;
+  for (const int digits : {15, 16, 17}) {
+    std::ostringstream stream;
+    stream.imbue(std::locale::classic());
+    stream << std::setprecision(digits) << value;
+    text = stream.str();
+    double read = 0;
+    if (parseDouble(text, read) && read == value) break;
+  }
+  return text;
+}
+
+std::string formatFixed(double value, int decimals) {
+  std::ostringstream stream;
+  stream.imbue(std::locale::classic());
+  stream << std::fixed << std::setprecision(decimals) << value;
+  return stream.str();
+}
+
+bool parseDouble(const char*& text, double& value) {
+  char* end = nullptr;
+  value = strtod_l(text, &end, plainLocale());
+  if (end == text) return false;
+  text = end;
+  return true;
+}
+
+bool parseDouble(const std::string& word, double& value) {
+  const char* text = word.c_str();
+  return parseDouble(text, value) && text == word.c_str() + word.size();
+}
+
+bool parseInteger(const std::string& word, long long& value) {
+  char* end = nullptr;
+  errno = 0;
+  value = std::strtoll(word.c_str(), &end, 10);
+  return errno == 0 && !word.empty() && end == word.c_str() + word.size();
+}
+
+std::vector<std::string> splitWords(const std::string& line) {
+  std::istringstream stream(line);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+std::vector<std::string> splitAt(const std::string& line, char separator) {
+  std::vector<std::string> parts(1);
+  for (const char c : line) {
+    if (c == separator) {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  return parts;
+}
+
+bool endsWith(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+std::string lowerExtension(const std::string& path) {
+  auto extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+}  // namespace cloud_colorizer

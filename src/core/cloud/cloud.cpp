@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_colorizer/cloud/cloud.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+#include <set>
+
+#include "cloud_colorizer/base/check.hpp"
+
+namespace cloud_colorizer {
+
+std::size_t sizeOf(FieldType type) {
+  switch (type) {
+    case FieldType::kInt8:
+    case FieldType::kUint8:
+      return 1;
+    case FieldType::kInt16:
+    case FieldType::kUint16:
+      return 2;
+    case FieldType::kInt32:
+    case FieldType::kUint32:
+    case FieldType::kFloat32:
+      return 4;
+    case FieldType::kFloat64:
+      return 8;
+  }
+  throw std::invalid_argument("field type " + std::to_string(static_cast<int>(type)) + " must be 1 to 8");
+}
+
+bool operator==(const Field& a, const Field& b) {
+  return a.name == b.name && a.type == b.type && a.count == b.count;
+}
+
+std::size_t recordSize(const std::vector<Field>& fields) {
+  std::size_t size = 0;
+  for (const auto& field : fields) size += sizeOf(field.type) * field.count;
+  return size;
+}
+
+void checkFields(const std::vector<Field>& fields) {
+  std::set<std::string> names{"x", "y", "z", "_"};
+  for (const auto& field : fields) {
+    const bool printable = std::all_of(field.name.begin(), field.name.end(), [](unsigned char c) { return c > ' '; });
+    require<std::invalid_argument>(!field.name.empty() && printable, "field name \"", field.name,
+                                   "\" must be a word without spaces");
+    require<std::invalid_argument>(names.insert(field.name).second, "field name \"", field.name,
+                                   "\" is reserved or there twice; rename or leave out that field");
+    require<std::invalid_argument>(field.count > 0, "field \"", field.name, "\" has count 0; it must be at least 1");
+    sizeOf(field.type);
+  }
+}
+
+void checkCloud(const Cloud& cloud) {
+  const auto num_points = static_cast<std::size_t>(cloud.positions.cols());
+  const auto size = recordSize(cloud.fields);
+  require<std::invalid_argument>(cloud.records.size() == num_points * size, "a cloud of ", num_points,
+                                 " points with records of ", size, " bytes must have ", num_points * size,
+                                 " bytes of records, not ", cloud.records.size());
+}
+
+RecordMap::RecordMap(const std::vector<Field>& from, const std::vector<Field>& to) {
+  for (const auto& field : from) {
+    if (std::find(to.begin(), to.end(), field) == to.end()) dropped_.push_back(field.name);
+  }
+  for (const auto& field : to) {
+    const auto size = sizeOf(field.type) * field.count;
+    const auto source = std::find(from.begin(), from.end(), field);
+    if (source == from.end()) {
+      missing_.push_back(field.name);
+    } else {
+      const auto offset = recordSize({from.begin(), source});
+      if (!runs_.empty() && runs_.back().from + runs_.back().size == offset &&
+          runs_.back().to + runs_.back().size == to_size_) {
+        runs_.back().size += size;
+      } else {
+        runs_.push_back({offset, to_size_, size});
+      }
+    }
+    to_size_ += size;
+  }
+}
+
+void RecordMap::copy(const std::uint8_t* from, std::uint8_t* to) const {
+  if (!missing_.empty()) std::memset(to, 0, to_size_);
+  for (const auto& run : runs_) std::memcpy(to + run.to, from + run.from, run.size);
+}
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cstring>
+
+#include "base/text.hpp"
+#include "cloud/cloud_layout.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/cloud/cloud_io.hpp"
+
+namespace cloud_colorizer {
+
+namespace {
+
+constexpr std::size_t kBlockSize = 1 << 18;  ///< bytes of points that are decoded at a time
+
+CloudHeader readHeader(BlockReader& input) {
+  const auto extension = lowerExtension(input.path());
+  require(extension == ".ply" || extension == ".pcd", "cannot read ", input.path(),
+          ": its extension must be .ply or .pcd");
+  return extension == ".ply" ? readPlyHeader(input) : readPcdHeader(input);
+}
+
+/// LZF, as PCL writes it: a control byte below 32 starts literals, others copy from what is already there. False when
+/// the data are damaged.
+bool decompressLzf(const std::vector<std::uint8_t>& input, std::vector<std::uint8_t>& output) {
+  const auto* in = input.data();
+  const auto* const in_end = in + input.size();
+  auto* out = output.data();
+  auto* const out_end = out + output.size();
+  while (in < in_end) {
+    std::size_t control = *in++;
+    if (control < 32) {
+      const auto length = control + 1;
+      if (static_cast<std::size_t>(in_end - in) < length || static_cast<std::size_t>(out_end - out) < length)
+        return false;
+      std::memcpy(out, in, length);
+      in += length;
+      out += length;
+      continue;
+    }
+    std::size_t length = (control >> 5U) + 2;
+    if (length == 9) {
+      if (in == in_end) return false;
+      length += *in++;
+    }
+    if (in == in_end) return false;
+    const std::size_t distance = ((control & 31U) << 8U) + *in++ + 1;
+    if (static_cast<std::size_t>(out - output.data()) < distance || static_cast<std::size_t>(out_end - out) < length) {
+      return false;
+    }
+    for (std::size_t i = 0; i < length; ++i, ++out) *out = *(out - distance);  // the ranges may overlap
+  }
+  return out == out_end;
+}
+
+/// All columns of a binary_compressed PCD.
+std::vector<std::uint8_t> readCompressed(BlockReader& input, std::uint64_t expected_size) {
+  std::uint32_t sizes[2];
+  input.read(sizes, sizeof sizes);
+  require(sizes[1] == expected_size, input.path(), " is damaged: it announces ", sizes[1],
+          " bytes of points, but its "
+          "header ",
+          expected_size);
+  require(sizes[0] <= input.remaining(), input.path(), " is truncated: it needs ", sizes[0],
+          " bytes of points, but only ", input.remaining(), " are there");
+  std::vector<std::uint8_t> packed(sizes[0]), columns(sizes[1]);
+  input.read(packed.data(), packed.size());
+  require(decompressLzf(packed, columns), input.path(), " is damaged: its points cannot be decompressed");
+  return columns;
+}
+
+}  // namespace
+
+struct CloudReader::Impl {
+  BlockReader input;
+  CloudHeader header;
+  CloudLayout layout;
+  std::vector<std::uint8_t> columns;  ///< of a compressed file
+  std::vector<std::uint8_t> raw;
+  std::uint64_t num_read = 0;
+
+  explicit Impl(const std::string& path) : input(path), header(readHeader(input)), layout(header, path) {
+    const bool is_text = header.encoding == Encoding::kAscii;
+    // A number and its separator are two bytes at least.
+    const auto min_size = is_text ? 2 * layout.numValues() : layout.stride();
+    if (header.encoding == Encoding::kCompressed) {
+      require(header.num_points <= 0xFFFFFFFF / min_size, path, ": a compressed PCD cannot hold ", header.num_points,
+              " points");
+      if (header.num_points > 0) columns = readCompressed(input, header.num_points * layout.stride());
+      return;
+    }
+    const auto available = (input.remaining() + (is_text ? 1 : 0)) / min_size;
+    require(header.num_points <= available, path, " is truncated: its header announces ", header.num_points,
+            " points of ", min_size, " bytes", is_text ? " at least" : "", ", but there are only ", input.remaining(),
+            " bytes after the header");
+  }
+
+  void readLines(std::size_t num_points) {
+    std::string line;
+    for (std::size_t i = 0; i < num_points; ++i) {
+      do {
+        require(input.readLine(line), input.path(), " is truncated: it ends after ", num_read + i, " of ",
+                header.num_points, " points");
+      } while (line.find_first_not_of(" \t") == std::string::npos);
+      const auto error = layout.parseLine(line.c_str(), raw.data() + i * layout.stride());
+      require(error.empty(), input.path(), ": the line of point ", num_read + i, " (`", line.substr(0, 80),
+              "`): ", error);
+    }
+  }
+
+  void readBlock(std::size_t num_points) {
+    raw.resize(num_points * layout.stride());
+    if (header.encoding == Encoding::kAscii) {
+      readLines(num_points);
+    } else if (header.encoding == Encoding::kCompressed) {
+      layout.gather(columns.data(), header.num_points, num_read, num_points, raw.data());
+    } else {
+      input.read(raw.data(), raw.size());
+    }
+  }
+};
+
+CloudReader::CloudReader(const std::string& path) : impl_(std::make_unique<Impl>(path)) {}
+CloudReader::~CloudReader() = default;
+std::size_t CloudReader::numPoints() const {
+  return impl_->header.num_points;
+}
+const std::vector<Field>& CloudReader::fields() const {
+  return impl_->layout.fields();
+}
+
+Cloud CloudReader::read(std::size_t max_points) {
+  auto& impl = *impl_;
+  const auto num_points = std::min<std::size_t>(max_points, impl.header.num_points - impl.num_read);
+  const auto block_points = std::max<std::size_t>(1, kBlockSize / impl.layout.stride());
+  Cloud cloud;
+  cloud.fields = impl.layout.fields();
+  cloud.positions.resize(3, static_cast<Eigen::Index>(num_points));
+  cloud.records.resize(num_points * recordSize(cloud.fields));
+  for (std::size_t first = 0; first < num_points; first += block_points) {
+    const auto count = std::min(block_points, num_points - first);
+    impl.readBlock(count);
+    impl.layout.decode(impl.raw.data(), count, cloud, first);
+    impl.num_read += count;
+  }
+  return cloud;
+}
+
+}  // namespace cloud_colorizer

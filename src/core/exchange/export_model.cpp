@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_colorizer/exchange/export_model.hpp"
+
+#include <algorithm>
+
+#include "base/file_io.hpp"
+#include "base/text.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/exchange/colmap.hpp"
+#include "cloud_colorizer/map/colorize.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+constexpr int kStampDecimals = 9;
+
+std::string tumLine(double stamp, const Eigen::Isometry3d& pose) {
+  const Eigen::Vector3d t = pose.translation();
+  const Eigen::Quaterniond q(pose.linear());
+  std::string line = formatFixed(stamp, kStampDecimals);
+  for (const double value : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}) line += ' ' + formatDouble(value);
+  return line + '\n';
+}
+
+/// The views of one camera by ascending stamp.
+std::string trajectory(const std::vector<View>& views, const std::vector<Eigen::Isometry3d>& poses,
+                       std::size_t camera) {
+  std::vector<std::size_t> own;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    if (views[v].camera == camera) own.push_back(v);
+  }
+  std::stable_sort(own.begin(), own.end(), [&](auto a, auto b) { return views[a].stamp < views[b].stamp; });
+  std::string text = "# stamp tx ty tz qx qy qz qw: map_from_camera\n";
+  for (const std::size_t v : own) text += tumLine(views[v].stamp, poses[v]);
+  return text;
+}
+
+/// "images/camera_0/000000.jpg" without its first folder.
+std::string imageName(const std::string& file) {
+  return file.substr(file.find('/') + 1);
+}
+
+}  // namespace
+
+void exportModel(const Recording& recording, const Params& params, const std::string& directory,
+                 const std::vector<std::string>& names) {
+  const std::vector<View>& views = recording.views();
+  require<std::invalid_argument>(names.empty() || names.size() == views.size(), names.size(), " names for ",
+                                 views.size(), " views");
+  std::vector<Eigen::Isometry3d> poses = usedPoses(recording, params);
+  for (Eigen::Isometry3d& pose : poses) pose.pretranslate(recording.origin());
+  ColmapModel model;
+  for (const RecordedCamera& camera : recording.cameras()) model.cameras.push_back(camera.intrinsics);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    model.images.push_back({views[v].camera, poses[v], names.empty() ? imageName(views[v].image) : names[v]});
+  }
+  writeColmapModel(directory, model);
+  for (std::size_t c = 0; c < recording.cameras().size(); ++c) {
+    const std::string text = trajectory(views, poses, c);
+    writeFileAtomically(directory + "/trajectory_" + recording.cameras()[c].name + ".txt", text.data(), text.size());
+  }
+}
+
+}  // namespace cloud_colorizer

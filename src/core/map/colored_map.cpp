@@ -1,0 +1,153 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <set>
+#include <sstream>
+
+#include "base/progress.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/cloud/cloud_io.hpp"
+#include "cloud_colorizer/map/colorize.hpp"
+#include "map/stages.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+using Eigen::Index;
+
+/// rgb, view_count, color_stddev: what is appended to a point's record.
+struct ColorRecord {
+  std::uint32_t rgb = 0;  ///< 0x00RRGGBB, read as FLOAT32 by rviz and PCL
+  std::uint16_t view_count = 0;
+  float stddev = 0;
+};
+constexpr std::size_t kColorRecordBytes = 4 + 2 + 4;
+
+std::uint32_t packColor(const Eigen::Vector3f& color) {
+  const auto byte = [](float v) { return static_cast<std::uint32_t>(std::lround(std::clamp(v, 0.F, 255.F))); };
+  return byte(color[0]) << 16U | byte(color[1]) << 8U | byte(color[2]);
+}
+
+void append(const ColorRecord& color, std::uint8_t* out) {
+  std::memcpy(out, &color.rgb, 4);
+  std::memcpy(out + 4, &color.view_count, 2);
+  std::memcpy(out + 6, &color.stddev, 4);
+}
+
+/// The tile as a cloud, without the points for which `keep` is false.
+Cloud makeCloud(const Recording& recording, std::size_t tile, const TileColors& colors, bool relative,
+                const std::vector<bool>& keep) {
+  const Points points = recording.readPoints(tile);
+  const std::vector<std::uint8_t> records = recording.readRecords(tile);
+  const std::size_t in_bytes = recordSize(recording.fields());
+  const std::size_t out_bytes = in_bytes + kColorRecordBytes;
+  const Eigen::Vector3d origin = relative ? Eigen::Vector3d::Zero() : recording.origin();
+
+  Cloud cloud;
+  cloud.fields = coloredFields(recording);
+  const auto num_kept = std::count(keep.begin(), keep.end(), true);
+  cloud.positions.resize(3, num_kept);
+  cloud.records.resize(static_cast<std::size_t>(num_kept) * out_bytes);
+  std::uint8_t* out = cloud.records.data();
+  Index next = 0;
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    if (!keep[i]) continue;
+    const auto column = static_cast<Index>(i);
+    cloud.positions.col(next++) = points.col(column).cast<double>() + origin;
+    if (in_bytes > 0) std::memcpy(out, records.data() + i * in_bytes, in_bytes);
+    append({packColor(colors.values.col(column)), colors.count[i], colors.stddev[i]}, out + in_bytes);
+    out += out_bytes;
+  }
+  return cloud;
+}
+
+/// The colours that were made with these parameters; nobody colours anew while they are read.
+class ColoredTiles {
+ public:
+  ColoredTiles(const Recording& recording, const Params& params)
+      : lock_(recording.directory(), false), work_(recording, params) {
+    work_.restoreCorrections();
+    work_.requireColors();
+  }
+
+  std::size_t numPoints() const {
+    return uncolored() == Uncolored::kDrop ? summarize(work_).num_colored : work_.recording().numPoints();
+  }
+
+  void visit(bool relative, const std::function<void(const Cloud&)>& visitor) {
+    for (std::size_t tile = 0; tile < work_.recording().tiles().size(); ++tile) {
+      TileColors colors = work_.readColors(tile);
+      if (uncolored() == Uncolored::kFill) fillUncolored(work_, tile, colors);
+      std::vector<bool> keep(colors.count.size());
+      for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = uncolored() != Uncolored::kDrop || colors.count[i] > 0;
+      visitor(makeCloud(work_.recording(), tile, colors, relative, keep));
+    }
+  }
+
+ private:
+  Uncolored uncolored() const { return work_.params().colorize.uncolored; }
+
+  FolderLock lock_;
+  Workspace work_;
+};
+
+}  // namespace
+
+std::vector<Field> coloredFields(const Recording& recording) {
+  static const std::set<std::string> ours = {"rgb", "rgba", "red", "green", "blue", "view_count", "color_stddev"};
+  std::vector<Field> fields = recording.fields();
+  for (Field& field : fields) {
+    if (ours.count(field.name) != 0) field.name = "input_" + field.name;
+  }
+  fields.push_back({"rgb", FieldType::kFloat32, 1});
+  fields.push_back({"view_count", FieldType::kUint16, 1});
+  fields.push_back({"color_stddev", FieldType::kFloat32, 1});
+  return fields;
+}
+
+void forEachColoredTile(const Recording& recording, const Params& params, bool relative,
+                        const std::function<void(const Cloud&)>& visit) {
+  ColoredTiles(recording, params).visit(relative, visit);
+}
+
+std::size_t saveColored(const Recording& recording, const Params& params, const std::string& path,
+                        const Callbacks& callbacks) {
+  CloudWriter::checkPath(path);
+  ColoredTiles tiles(recording, params);
+  const std::size_t num_points = tiles.numPoints();
+  CloudWriter writer(path, num_points, coloredFields(recording), !recording.origin().isZero());
+  ProgressMeter progress(callbacks, "save", num_points);
+  tiles.visit(false, [&](const Cloud& cloud) {
+    writer.write(cloud);
+    progress.add(static_cast<std::size_t>(cloud.positions.cols()));
+  });
+  writer.finish();
+  return num_points;
+}
+
+ColorizeSummary summarize(const Workspace& work) {
+  ColorizeSummary summary;
+  for (std::size_t tile = 0; tile < work.recording().tiles().size(); ++tile) {
+    for (const Unseen reason : work.readColors(tile).unseen) {
+      ++summary.num_points;
+      ++summary.by_reason[static_cast<std::size_t>(reason)];
+    }
+  }
+  summary.num_colored = summary.by_reason[static_cast<std::size_t>(Unseen::kSeen)];
+  return summary;
+}
+
+std::string ColorizeSummary::describe() const {
+  const auto reason = [&](Unseen r) { return by_reason[static_cast<std::size_t>(r)]; };
+  std::ostringstream text;
+  text.precision(3);
+  text << num_colored << " of " << num_points << " points coloured in " << seconds
+       << " s; the others: " << reason(Unseen::kOutside) << " in no image, " << reason(Unseen::kTooFar)
+       << " beyond max_view_distance, " << reason(Unseen::kHidden) << " hidden, " << reason(Unseen::kAbsent)
+       << " gone when images were taken, " << reason(Unseen::kMasked) << " masked";
+  return text.str();
+}
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_colorizer/map/colorize.hpp"
+
+#include <chrono>
+
+#include "cloud_colorizer/base/check.hpp"
+#include "map/kept_memory.hpp"
+#include "map/stages.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+void requireColorable(const Recording& recording) {
+  require(recording.numPoints() > 0, "recording ", recording.directory(),
+          " has no points; was the cloud topic published, and is there tf from its frame to the map?");
+  require(!recording.views().empty(), "recording ", recording.directory(),
+          " has no views; were images and camera_info published, and is there tf from the camera to the map?");
+}
+
+}  // namespace
+
+ColorizeSummary colorize(const Recording& recording, const Params& params, const Callbacks& callbacks) {
+  const auto start = std::chrono::steady_clock::now();
+  params.check();
+  requireColorable(recording);
+
+  const FolderLock lock(recording.directory(), true);
+  const KeptMemory kept_memory;
+  Workspace work(recording, params);
+  work.prepareAlignment();
+  makeSurfels(work, callbacks);  // per tile: what closes the surface between the points
+  alignViews(work, callbacks);   // all views: exposure and small corrections of the poses
+  work.prepareColors();
+  makeDepthImages(work, callbacks);                  // per view: what it can see of the whole map
+  const ToneField tone = makeTone(work, callbacks);  // whole map: what the exposures did to each place
+  colorChunks(work, tone, callbacks);                // per chunk: observe, graph, system, solve; eq. (1)-(5)
+
+  ColorizeSummary summary = summarize(work);
+  summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return summary;
+}
+
+std::vector<Eigen::Isometry3d> usedPoses(const Recording& recording, const Params& params) {
+  const FolderLock lock(recording.directory(), false);
+  Workspace work(recording, params);
+  work.restoreCorrections();
+  std::vector<Eigen::Isometry3d> poses;
+  for (std::size_t v = 0; v < recording.views().size(); ++v) poses.push_back(work.corrected(v).map_from_camera);
+  return poses;
+}
+
+}  // namespace cloud_colorizer

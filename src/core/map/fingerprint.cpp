@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map/fingerprint.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <set>
+#include <sstream>
+
+namespace cloud_colorizer {
+namespace {
+
+/// To be raised when a stage gives other results than before, so that files of an older program are not used.
+constexpr std::uint64_t kStagesVersion = 2;
+
+/// FNV-1a, 64 bit.
+class Hash {
+ public:
+  template <class T>
+  Hash& add(const T* data, std::size_t count) {
+    const auto* bytes = reinterpret_cast<const unsigned char*>(data);
+    for (std::size_t i = 0; i < count * sizeof(T); ++i) value_ = (value_ ^ bytes[i]) * 0x100000001b3ULL;
+    return *this;
+  }
+  Hash& add(const std::string& text) { return add(text.data(), text.size()); }
+  template <class T>
+  Hash& addValue(const T& value) {
+    return add(&value, 1);
+  }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 0xcbf29ce484222325ULL;
+};
+
+std::string line(const char* name, std::uint64_t hash) {
+  std::ostringstream text;
+  text << name << ": " << std::hex << hash << '\n';
+  return text.str();
+}
+
+/// The named parameters, or all but the named ones.
+std::string paramsText(const Params& params, const std::set<std::string>& names, bool all_but) {
+  std::string text;
+  for (const auto& param : describeParams(params)) {
+    if ((names.count(param.name) == 0) == all_but) text += param.name + ": " + param.value + '\n';
+  }
+  return text;
+}
+
+std::string imagesKey(const Recording& recording) {
+  Hash hash;
+  for (const View& view : recording.views()) hash.add(view.image).addValue(view.camera);
+  for (const auto& camera : recording.cameras()) {
+    std::error_code error;
+    hash.add(camera.mask).addValue(std::filesystem::file_size(recording.directory() + "/" + camera.mask, error));
+  }
+  return line("images and masks", hash.value());
+}
+
+}  // namespace
+
+std::string surfelsKey(const Recording& recording, const Params& params) {
+  Hash poses;
+  for (const View& view : recording.views()) poses.add(view.map_from_camera.matrix().data(), 16).addValue(view.stamp);
+  return line("version of the stages", kStagesVersion) + line("poses of the recording", poses.value()) +
+         paramsText(params, {"num_neighbors", "clear_radius"}, false);
+}
+
+std::string alignmentKey(const Recording& recording, const Params& params) {
+  const AlignmentParams defaults;
+  std::set<std::string> names;
+  visitAlignmentParams(defaults, [&](const char* name, const auto&, const char*) { names.insert(name); });
+  constexpr std::uint64_t kFormat = 2;  // of views.bin
+  return line("alignment", kFormat) + surfelsKey(recording, params) + depthKey(recording, params) +
+         imagesKey(recording) + paramsText(params, names, false);
+}
+
+std::string depthKey(const Recording& recording, const Params& params) {
+  Hash hash;
+  hash.addValue(recording.tileSize());
+  for (const Tile& tile : recording.tiles()) hash.add(tile.index.data(), 3).addValue(tile.num_points);
+  for (const Scan& scan : recording.scans()) hash.addValue(scan.stamp).add(scan.map_from_sensor.matrix().data(), 16);
+  for (const auto& camera : recording.cameras()) {
+    const Intrinsics& k = camera.intrinsics;
+    hash.addValue(k.width).addValue(k.height).addValue(k.fx).addValue(k.fy).addValue(k.cx).addValue(k.cy);
+    hash.addValue(k.model).add(k.distortion.data(), k.distortion.size());
+  }
+  return line("points and cameras", hash.value()) +
+         paramsText(params,
+                    {"depth_cell_size", "depth_tolerance", "depth_edge_guard", "max_view_distance", "use_scans"},
+                    false);
+}
+
+std::string colorsKey(const Recording& recording, const Params& params) {
+  // These do not change the colour of a tile.
+  const std::set<std::string> without = {"num_threads",   "memory_limit",   "uncolored",
+                                         "fill_distance", "max_open_tiles", "scan_resolution"};
+  return imagesKey(recording) + paramsText(params, without, true);
+}
+
+std::string posesKey(const std::vector<CorrectedView>& views) {
+  Hash hash;
+  for (const auto& view : views) hash.add(view.map_from_camera.matrix().data(), 16);
+  return line("poses", hash.value());
+}
+
+std::string exposuresKey(const std::vector<CorrectedView>& views) {
+  Hash hash;
+  for (const auto& view : views) {
+    hash.add(view.exposure.gain.data(), static_cast<std::size_t>(view.exposure.gain.size()));
+    hash.add(view.exposure.offset.data(), static_cast<std::size_t>(view.exposure.offset.size()));
+    hash.add(view.exposure.vignetting.data(), 2);
+    hash.addValue(view.weight);
+  }
+  return line("exposures", hash.value());
+}
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_colorizer/visibility/empty_space.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+#include "cloud_colorizer/base/check.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+constexpr double kStepsPerMetre = 256;
+constexpr int kFarthest = std::numeric_limits<std::uint16_t>::max();
+constexpr double kMargin = 0.3, kMarginShare = 0.05;  // m, and share of the range: what noise and slant may hide
+constexpr double kMaxAge = 0.25;                      // s; a scan tells nothing of moments farther from it
+
+/// atan2 / (2 pi) to 2e-5: a cell is seventy times as wide, and this is called for every point in every view.
+float turnOf(float y, float x) {
+  const float across = std::abs(y), along = std::abs(x);
+  const float a = std::min(across, along) / std::max(1e-30F, std::max(across, along)), s = a * a;
+  float turn = ((-0.0464964749F * s + 0.15931422F) * s - 0.327622764F) * s * a + a;
+  turn *= static_cast<float>(0.5 / M_PI);
+  if (across > along) turn = 0.25F - turn;
+  if (x < 0) turn = 0.5F - turn;
+  return y < 0 ? -turn : turn;
+}
+
+/// Column and row of a direction; `range` is its length.
+cv::Point cellOf(const Eigen::Vector3f& direction, float range, int cols, int rows) {
+  const float height = 0.5F - 0.5F * direction.z() / range;
+  const float turn = 0.5F + turnOf(direction.y(), direction.x());
+  return {std::min(cols - 1, static_cast<int>(turn * static_cast<float>(cols))),
+          std::min(rows - 1, static_cast<int>(height * static_cast<float>(rows)))};
+}
+
+}  // namespace
+
+cv::Mat1w makeRangePanorama(const Eigen::Matrix3Xd& positions, double resolution, double min_range) {
+  requireInRange("scan_resolution", resolution, 0.05, 30.0);
+  const int cols = static_cast<int>(std::lround(360 / resolution));
+  const int rows = static_cast<int>(std::lround(360 / M_PI / resolution));
+  cv::Mat1w panorama(rows, cols, std::uint16_t{0});
+  for (Eigen::Index i = 0; i < positions.cols(); ++i) {
+    const Eigen::Vector3d position = positions.col(i);
+    const double range = position.norm();
+    if (!(range >= min_range && range > 0 && std::isfinite(range))) continue;
+    const auto steps = static_cast<std::uint16_t>(std::clamp(range * kStepsPerMetre, 1.0, double{kFarthest}));
+    std::uint16_t& cell = panorama(cellOf(position.cast<float>(), static_cast<float>(range), cols, rows));
+    if (cell == 0 || steps < cell) cell = steps;
+  }
+  return panorama;
+}
+
+cv::Mat1w emptyRanges(const cv::Mat1w& panorama) {
+  cv::Mat1w known = panorama.clone(), nearest;
+  known.setTo(kFarthest, panorama == 0);
+  cv::copyMakeBorder(known, known, 0, 0, 1, 1, cv::BORDER_WRAP);
+  cv::erode(known, nearest, cv::Mat());  // 3 x 3
+  cv::Mat1w ranges(panorama.size(), std::uint16_t{0});
+  for (int row = 0; row < panorama.rows; ++row) {
+    for (int col = 0; col < panorama.cols; ++col) {
+      if (panorama(row, col) == 0) continue;
+      const double range = nearest(row, col + 1);
+      ranges(row, col) =
+          static_cast<std::uint16_t>(std::max(1.0, range - std::max(kMargin * kStepsPerMetre, kMarginShare * range)));
+    }
+  }
+  return ranges;
+}
+
+ScanTimes::ScanTimes(const std::vector<Scan>& scans) {
+  for (std::size_t i = 0; i < scans.size(); ++i) times_.emplace_back(scans[i].stamp, i);
+  std::sort(times_.begin(), times_.end());
+}
+
+std::vector<std::size_t> ScanTimes::around(double stamp) const {
+  const auto after = std::lower_bound(times_.begin(), times_.end(), std::make_pair(stamp, std::size_t{0}));
+  std::vector<std::size_t> indices;
+  if (after != times_.begin() && stamp - std::prev(after)->first <= kMaxAge)
+    indices.push_back(std::prev(after)->second);
+  if (after != times_.end() && after->first - stamp <= kMaxAge) indices.push_back(after->second);
+  return indices;
+}
+
+void EmptySpace::add(std::shared_ptr<const cv::Mat1w> ranges, const Eigen::Isometry3f& sensor_from_camera) {
+  scans_.push_back({std::move(ranges), sensor_from_camera.linear(), sensor_from_camera.translation()});
+}
+
+bool EmptySpace::contains(const Eigen::Vector3f& point) const {
+  bool seen_through = false;
+  for (const Ranges& scan : scans_) {
+    const Eigen::Vector3f place = scan.rotation * point + scan.translation;
+    const float range = place.norm();
+    if (!(range > 0)) return false;
+    const std::uint16_t empty = (*scan.ranges)(cellOf(place, range, scan.ranges->cols, scan.ranges->rows));
+    if (empty == 0) continue;
+    if (range * static_cast<float>(kStepsPerMetre) >= static_cast<float>(empty)) return false;
+    seen_through = true;
+  }
+  return seen_through;
+}
+
+std::size_t EmptySpace::numBytes() const {
+  std::size_t bytes = 0;
+  for (const Ranges& scan : scans_) bytes += scan.ranges->total() * sizeof(std::uint16_t);
+  return bytes;
+}
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Coloured clouds as numbers.
+#pragma once
+
+#include <string>
+
+#include "cloud_colorizer/base/types.hpp"
+#include "cloud_colorizer/cloud/cloud.hpp"
+
+namespace cloud_colorizer {
+
+struct ColoredCloud {
+  Eigen::Matrix3Xd positions;        ///< 3 x n, m
+  Values colors;                     ///< 3 x n
+  std::vector<std::uint16_t> count;  ///< n, views of a point; 1 where the cloud does not tell
+};
+
+/// From a field rgb (packed, as PCL has it) or from red, green and blue; view_count where there is one. Throws
+/// std::runtime_error, naming `source`, when there are no colours.
+ColoredCloud coloredCloud(const Cloud& cloud, const std::string& source);
+
+/// Reads a .ply or .pcd. Points without a finite position or with view_count 0 are left out.
+ColoredCloud readColoredCloud(const std::string& path);
+
+}  // namespace cloud_colorizer

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The paper's tables 1 and 2, its figure 4, and our ablations.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "evaluation/limited.hpp"
+#include "evaluation/methods.hpp"
+#include "evaluation/table.hpp"
+
+namespace cloud_colorizer {
+
+struct TablesParams {
+  TestBedParams bed;
+  NoiseParams noise;  ///< of table 1, both kinds together; its parts make the other two kinds
+  Limits limits;      ///< of one row
+  Params method;      ///< parameters of all methods
+  std::vector<std::size_t> density_sizes = {65000, 300000, 1000000};
+  Limits density_limits{900, 12000};
+  std::vector<std::size_t> table2_sizes = {65000, 890000, 980000, 1140000, 1670000, 5980000};
+
+  static TablesParams quick();  ///< 65,000 points on one mesh, two sizes, short limits: for CI
+};
+
+/// All meshes of a directory (*.ply, by name), or the built-in shapes where `directory` is empty. Throws
+/// std::runtime_error when the directory has none.
+std::vector<Mesh> loadMeshes(const std::string& directory);
+
+struct Table1 {
+  Table table;      ///< mesh, noise, method, status, aep, rep, ...
+  cv::Mat closeup;  ///< BGR; the paper's figure 4: the first mesh by method
+};
+Table1 makeTable1(const std::vector<Mesh>& meshes, const TablesParams& params, const Callbacks& callbacks);
+
+/// graph, solver, points, status, seconds by stage, peak memory, neighbours a node.
+Table makeTable2(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks);
+
+/// How the time grows, of the rows that ended in time at two sizes or more: graph, solver, smallest and largest size,
+/// microseconds a point at both, and x of "time ~ points^x" between them.
+Table growthOf(const Table& table2);
+
+constexpr char kUniformSampling[] = "uniform";  ///< in the column "sampling"
+
+/// Graphs on points sampled uniformly and in scan lines: number of parts, share of the points in parts without an
+/// anchor, and the AEP with such parts left as the equations leave them, and with our rule.
+Table makeIsolated(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks);
+
+/// Errors with noise of the intensities alone, by mesh and number of points: mean, 4-pass and 20-NN.
+Table makeDensity(const std::vector<Mesh>& meshes, const TablesParams& params, const Callbacks& callbacks);
+
+struct Tables {
+  Table1 table1;
+  Table table2, isolated, density;
+};
+
+/// One sentence a bar of the issue, with the numbers, that begins with "met" or "MISSED".
+std::vector<std::string> checkBars(const Tables& tables);
+
+/// Ablations on one mesh: what is varied, its value, kind of noise, AEP, REP, seconds, seam.
+Table makeAblations(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks);
+
+/// Writes CSV files, plots, a Markdown file a table and all of them as TABLES.md (ABLATIONS.md) into a directory.
+/// Returns messages about plots that could not be made.
+std::vector<std::string> writeTables(const std::string& directory, const Tables& tables, const std::string& command);
+std::vector<std::string> writeAblations(const std::string& directory, const Table& ablations,
+                                        const std::string& command);
+
+/// "Command: ... Machine: Intel(R) ..., 2 cores, 24 GB": for the reports.
+std::string describeRun(const std::string& command);
+
+}  // namespace cloud_colorizer

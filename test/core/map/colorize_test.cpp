@@ -1,0 +1,341 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_colorizer/map/colorize.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+#include <tuple>
+
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/cloud/cloud_io.hpp"
+#include "cloud_colorizer/exchange/colmap.hpp"
+#include "cloud_colorizer/exchange/export_model.hpp"
+#include "core/scratch.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+using Eigen::Index;
+
+/// Walls at given x, y from -4 to 4 m, z from 0 to 4 m, seen by cameras that look along +x.
+constexpr double kHalfWidth = 4, kHeight = 4;
+
+Cloud wall(double x, double spacing) {
+  const auto columns = static_cast<Index>(2 * kHalfWidth / spacing), rows = static_cast<Index>(kHeight / spacing);
+  Cloud cloud;
+  cloud.fields = {{"intensity", FieldType::kFloat32, 1}};
+  cloud.positions.resize(3, columns * rows);
+  for (Index i = 0; i < columns * rows; ++i) {
+    const double along = static_cast<double>(i % columns) + 0.5, up = static_cast<double>(i / columns) + 0.5;
+    cloud.positions.col(i) << x, -kHalfWidth + along * spacing, up * spacing;
+  }
+  cloud.records.resize(static_cast<std::size_t>(columns * rows) * 4);
+  return cloud;
+}
+
+Eigen::Isometry3d cameraAt(double x, double y, double z) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;  // optical z along x, x to the right, y down
+  pose.translation() << x, y, z;
+  return pose;
+}
+
+/// What a camera at (cx, cy, cz) sees of a wall at x with a smooth pattern, times a gain. RGB.
+std::vector<std::uint8_t> imageOfWall(const Intrinsics& k, const Eigen::Vector3d& camera, double x, double gain) {
+  cv::Mat3b bgr(k.height, k.width);
+  for (int v = 0; v < k.height; ++v) {
+    for (int u = 0; u < k.width; ++u) {
+      const double y = camera.y() - (u - k.cx) / k.fx * (x - camera.x());
+      const double z = camera.z() - (v - k.cy) / k.fy * (x - camera.x());
+      const double pattern = gain * (120 + 50 * std::sin(2 * y) * std::cos(3 * z));
+      bgr(v, u) = cv::Vec3b(cv::saturate_cast<std::uint8_t>(0.5 * pattern), cv::saturate_cast<std::uint8_t>(pattern),
+                            cv::saturate_cast<std::uint8_t>(1.2 * pattern));
+    }
+  }
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", bgr, png);
+  return png;
+}
+
+class Colorize : public ::testing::Test {
+ protected:
+  Colorize() {
+    intrinsics_.width = 320, intrinsics_.height = 240;
+    intrinsics_.fx = intrinsics_.fy = 200;
+    intrinsics_.cx = 159.5, intrinsics_.cy = 119.5;
+    record_.voxel_size = 0;
+    record_.min_range = 0;
+    record_.max_range = 1e6;
+    record_.tile_size = 1;
+    params_.colorize.method = Method::kPaper;
+  }
+
+  /// Walls at `xs`; one view from each of `cameras`, of the wall at `seen`, with gains 1, 1.1, 1.2, ...
+  Recording record(const std::string& name, const std::vector<double>& xs, double spacing,
+                   const std::vector<Eigen::Vector3d>& cameras, double seen) {
+    Recorder recorder(scratch_ / name, "map", record_);
+    for (const double x : xs) recorder.addCloud(wall(x, spacing), Eigen::Isometry3d::Identity());
+    const auto camera = recorder.setCamera("camera_0", intrinsics_);
+    double gain = 1;
+    for (const auto& at : cameras) {
+      recorder.addView(camera, gain, cameraAt(at.x(), at.y(), at.z()), imageOfWall(intrinsics_, at, seen, gain), "png");
+      gain += 0.1;
+    }
+    return recorder.snapshot();
+  }
+
+  Cloud colored(const Recording& recording) const {
+    Cloud all;
+    forEachColoredTile(recording, params_, true, [&](const Cloud& tile) {
+      const Index before = all.positions.cols();
+      all.fields = tile.fields;
+      all.positions.conservativeResize(3, before + tile.positions.cols());
+      all.positions.rightCols(tile.positions.cols()) = tile.positions;
+      all.records.insert(all.records.end(), tile.records.begin(), tile.records.end());
+    });
+    return all;
+  }
+
+  ScratchDirectory scratch_;
+  Intrinsics intrinsics_;
+  RecordParams record_;
+  Params params_;
+};
+
+/// Red, green, blue of point i; its record is intensity, rgb, view_count, color_stddev.
+Eigen::Vector3d colorOf(const Cloud& cloud, Index i) {
+  const std::uint8_t* rgb = cloud.records.data() + static_cast<std::size_t>(i) * recordSize(cloud.fields) + 4;
+  return {static_cast<double>(rgb[2]), static_cast<double>(rgb[1]), static_cast<double>(rgb[0])};
+}
+int viewCountOf(const Cloud& cloud, Index i) {
+  std::uint16_t count = 0;
+  std::memcpy(&count, cloud.records.data() + static_cast<std::size_t>(i) * recordSize(cloud.fields) + 8, 2);
+  return count;
+}
+std::string bytesOf(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+const std::vector<Eigen::Vector3d> kThreeCameras = {{0, -1, 2}, {0, 0, 2}, {0, 1, 2}};
+
+TEST_F(Colorize, WrittenModelHasTheCorrectedPoses) {
+  Recorder recorder(scratch_ / "r", "map", record_);
+  recorder.addCloud(wall(5, 0.05), Eigen::Isometry3d::Identity());
+  const auto camera = recorder.setCamera("camera_0", intrinsics_);
+  const Eigen::Isometry3d error(Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitY()));  // 2 px
+  for (int i = 0; i < 5; ++i) {
+    const Eigen::Vector3d at(0, -1 + 0.5 * i, 2);
+    const Eigen::Isometry3d pose = cameraAt(at.x(), at.y(), at.z());
+    recorder.addView(camera, 10 * i, i == 2 ? pose * error : pose, imageOfWall(intrinsics_, at, 5, 1), "png");
+  }
+  const Recording recording = recorder.snapshot();
+  params_.colorize.method = Method::kDefault;
+  params_.alignment.pose_rotation_prior = 0.5;
+  colorize(recording, params_, {});
+  exportModel(recording, params_, scratch_ / "model");
+  const ColmapModel aligned = readColmapModel(scratch_ / "model");
+  params_.colorize.method = Method::kPaper;  // which does not align
+  exportModel(recording, params_, scratch_ / "model");
+  const ColmapModel recorded = readColmapModel(scratch_ / "model");
+  // Pixels, because a shift of the camera looks like a turn. Where the middle view sees the middle of the wall:
+  const auto pixel = [&](const Eigen::Isometry3d& map_from_camera) {
+    return Camera(intrinsics_).linearize(map_from_camera.inverse() * Eigen::Vector3d(5, 0, 2))->pixel;
+  };
+  const Eigen::Vector2d truth = pixel(cameraAt(0, 0, 2));
+  EXPECT_NEAR((pixel(recorded.images[2].map_from_camera) - truth).norm(), 2, 0.05);
+  EXPECT_LT((pixel(aligned.images[2].map_from_camera) - truth).norm(), 0.5);
+}
+
+TEST_F(Colorize, APointHasTheColourOfTheWall) {
+  const Recording recording = record("r", {5}, 0.05, {{0, 0, 2}}, 5);
+  params_.colorize.method = Method::kMean;
+  const ColorizeSummary summary = colorize(recording, params_, {});
+  const Cloud cloud = colored(recording);
+  ASSERT_EQ(cloud.positions.cols(), static_cast<Index>(recording.numPoints()));
+  std::size_t seen = 0;
+  for (Index i = 0; i < cloud.positions.cols(); ++i) {
+    if (viewCountOf(cloud, i) == 0) continue;
+    ++seen;
+    const double pattern = 120 + 50 * std::sin(2 * cloud.positions(1, i)) * std::cos(3 * cloud.positions(2, i));
+    EXPECT_NEAR(colorOf(cloud, i)[1], pattern, 4);
+    EXPECT_NEAR(colorOf(cloud, i)[2], 0.5 * pattern, 4);
+  }
+  EXPECT_EQ(seen, summary.num_colored);
+  EXPECT_GT(seen, recording.numPoints() * 9 / 10);
+}
+
+TEST_F(Colorize, AWallInAnotherChunkHides) {
+  const Recording recording = record("r", {5, 15}, 0.04, {{0, 0, 2}}, 5);
+  params_.chunks.max_chunk_points = 1000;
+  params_.chunks.overlap = 0;
+  const ColorizeSummary summary = colorize(recording, params_, {});
+  const Cloud cloud = colored(recording);
+  std::size_t behind_colored = 0;
+  for (Index i = 0; i < cloud.positions.cols(); ++i) {
+    if (cloud.positions(0, i) > 10 && viewCountOf(cloud, i) > 0) ++behind_colored;
+  }
+  EXPECT_EQ(behind_colored, 0U);
+  EXPECT_GT(summary.by_reason[static_cast<std::size_t>(Unseen::kHidden)], recording.numPoints() * 4 / 10);
+}
+
+TEST_F(Colorize, WhatTheScanOfThatMomentSawThroughHidesNothingAndTakesNoColour) {
+  const auto colored_counts = [&](double scan_stamp, bool use_scans) {
+    const std::string name = "r" + std::to_string(scan_stamp) + std::to_string(use_scans);
+    record(name, {5, 15}, 0.04, {{0, 0, 2}}, 15);  // the view is at stamp 1
+    {
+      Eigen::Matrix3Xd returns = wall(15, 0.04).positions;
+      returns.row(2).array() -= 2;
+      const Eigen::Isometry3d sensor(Eigen::Translation3d(0, 0, 2));
+      Recorder(scratch_ / name, "map", record_).addScan("lidar", scan_stamp, returns, sensor);
+    }
+    params_.depth.use_scans = use_scans;
+    const Recording recording = Recording::open(scratch_ / name);
+    const ColorizeSummary summary = colorize(recording, params_, {});
+    const Cloud cloud = colored(recording);
+    std::size_t far = 0, near = 0;  // the near wall where the scan looked
+    for (Index i = 0; i < cloud.positions.cols(); ++i) {
+      const Eigen::Vector3d point = cloud.positions.col(i);
+      if (viewCountOf(cloud, i) == 0) continue;
+      if (point.x() > 10) ++far;
+      if (point.x() < 10 && std::abs(point.y()) < 1 && std::abs(point.z() - 2) < 0.4) ++near;
+    }
+    return std::make_tuple(far, near, summary.by_reason[static_cast<std::size_t>(Unseen::kAbsent)]);
+  };
+  const std::size_t wall_points = record("whole", {15}, 0.04, {}, 15).numPoints();
+  const auto [far, near, gone] = colored_counts(1.1, true);
+  EXPECT_GT(far, wall_points * 9 / 10);
+  EXPECT_EQ(near, 0U);
+  EXPECT_GT(gone, 1000U);
+  const auto [far_later, near_later, gone_later] = colored_counts(2, true);  // a scan of another time
+  EXPECT_LT(far_later, wall_points / 20);
+  EXPECT_GT(near_later, 900U);
+  EXPECT_EQ(gone_later, 0U);
+  const auto [far_without, near_without, gone_without] = colored_counts(1.1, false);
+  EXPECT_EQ(std::make_tuple(far_without, near_without, gone_without),
+            std::make_tuple(far_later, near_later, gone_later));
+}
+
+TEST_F(Colorize, WhatStoodWhereACameraHasBeenHidesNothing) {
+  const auto colored_behind = [&](double clear_radius) {
+    const Recording recording = record("r" + std::to_string(clear_radius), {5, 15}, 0.04, {{0, 0, 2}}, 5);
+    params_.depth.clear_radius = clear_radius;
+    colorize(recording, params_, {});
+    const Cloud cloud = colored(recording);
+    std::size_t count = 0;
+    for (Index i = 0; i < cloud.positions.cols(); ++i) {
+      if (cloud.positions(0, i) > 10 && viewCountOf(cloud, i) > 0) ++count;
+    }
+    return count;
+  };
+  EXPECT_EQ(colored_behind(0), 0U);
+  EXPECT_GT(colored_behind(5.5), 1000U);
+}
+
+TEST_F(Colorize, ChunkedAgreesWithWhole) {
+  const Recording recording = record("r", {5}, 0.012, kThreeCameras, 5);
+  ASSERT_GE(recording.numPoints(), 200000U);
+  params_.chunks.max_chunk_points = 100000000;
+  colorize(recording, params_, {});
+  const Cloud whole = colored(recording);
+  params_.chunks.max_chunk_points = 30000;
+  colorize(recording, params_, {});
+  const Cloud chunked = colored(recording);
+  double difference = 0;
+  for (Index i = 0; i < whole.positions.cols(); ++i) {
+    difference += (colorOf(whole, i) - colorOf(chunked, i)).cwiseAbs().mean();
+  }
+  EXPECT_LT(difference / static_cast<double>(whole.positions.cols()), 0.5);
+}
+
+TEST_F(Colorize, AnyNumberOfThreadsGivesTheSameBytes) {
+  params_.colorize.method = Method::kDefault;
+  params_.chunks.max_chunk_points = 2000;
+  std::vector<std::string> files;
+  for (const int threads : {1, 3}) {
+    const Recording recording = record("r" + std::to_string(threads), {5, 6}, 0.06, kThreeCameras, 5);
+    params_.colorize.num_threads = threads;
+    colorize(recording, params_, {});
+    const std::string path = scratch_ / ("map" + std::to_string(threads) + ".ply");
+    EXPECT_EQ(saveColored(recording, params_, path, {}), recording.numPoints());
+    files.push_back(bytesOf(path));
+  }
+  EXPECT_EQ(files[0], files[1]);
+}
+
+TEST_F(Colorize, ACancelledRunIsResumedWithTheSameResult) {
+  params_.chunks.max_chunk_points = 2000;
+  params_.colorize.num_threads = 1;
+  const Recording straight = record("straight", {5}, 0.06, kThreeCameras, 5);
+  colorize(straight, params_, {});
+  const Recording stopped = record("stopped", {5}, 0.06, kThreeCameras, 5);
+  int polls = 0;
+  Callbacks callbacks;
+  callbacks.cancelled = [&] { return ++polls > 40; };
+  EXPECT_THROW(colorize(stopped, params_, callbacks), Cancelled);
+  colorize(stopped, params_, {});
+  EXPECT_EQ(colored(stopped).records, colored(straight).records);
+}
+
+TEST_F(Colorize, OtherParametersDoNotReuseOldColours) {
+  const Recording recording = record("r", {5}, 0.06, kThreeCameras, 5);
+  params_.colorize.method = Method::kClosest;
+  colorize(recording, params_, {});
+  const auto closest = colored(recording).records;
+  params_.colorize.method = Method::kMean;
+  colorize(recording, params_, {});
+  EXPECT_NE(colored(recording).records, closest);
+}
+
+TEST_F(Colorize, UnseenPointsAreKeptDroppedOrFilled) {
+  const Recording recording = record("r", {5, 5.1}, 0.05, {{0, 0, 2}}, 5);
+  const ColorizeSummary summary = colorize(recording, params_, {});
+  ASSERT_LT(summary.num_colored, summary.num_points);
+  EXPECT_EQ(colored(recording).positions.cols(), static_cast<Index>(summary.num_points));
+  params_.colorize.uncolored = Uncolored::kDrop;
+  EXPECT_EQ(colored(recording).positions.cols(), static_cast<Index>(summary.num_colored));
+  params_.colorize.uncolored = Uncolored::kFill;
+  const Cloud filled = colored(recording);
+  for (Index i = 0; i < filled.positions.cols(); ++i) {
+    const bool well_inside = std::abs(filled.positions(1, i)) < 3 && std::abs(filled.positions(2, i) - 2) < 1.5;
+    if (!well_inside) continue;
+    EXPECT_GT(colorOf(filled, i)[1], 0) << "view_count " << viewCountOf(filled, i);
+  }
+}
+
+TEST_F(Colorize, ReasonsAddUpToAllPoints) {
+  const Recording recording = record("r", {5, 15, 60}, 0.1, {{0, 0, 2}}, 5);
+  const ColorizeSummary summary = colorize(recording, params_, {});
+  std::size_t sum = 0;
+  for (const std::size_t count : summary.by_reason) sum += count;
+  EXPECT_EQ(sum, recording.numPoints());
+  EXPECT_GT(summary.by_reason[static_cast<std::size_t>(Unseen::kTooFar)], 0U);
+  EXPECT_NE(summary.describe().find("beyond max_view_distance"), std::string::npos);
+}
+
+TEST_F(Colorize, ARecordingWithoutPointsOrViewsSaysSo) {
+  const Recording no_views = record("no_views", {5}, 0.1, {}, 5);
+  EXPECT_THROW(colorize(no_views, params_, {}), std::runtime_error);
+  const Recording no_points = record("no_points", {}, 0.1, {{0, 0, 2}}, 5);
+  EXPECT_THROW(colorize(no_points, params_, {}), std::runtime_error);
+}
+
+TEST_F(Colorize, InputColoursKeepTheirValuesUnderAnotherName) {
+  Recorder recorder(scratch_ / "r", "map", record_);
+  Cloud cloud = wall(5, 0.5);
+  cloud.fields = {{"rgb", FieldType::kFloat32, 1}};
+  recorder.addCloud(cloud, Eigen::Isometry3d::Identity());
+  const auto fields = coloredFields(recorder.snapshot());
+  EXPECT_EQ(fields[0].name, "input_rgb");
+  EXPECT_EQ(fields[1].name, "rgb");
+}
+
+}  // namespace
+}  // namespace cloud_colorizer

@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_colorizer/surface/surfels.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include "core/street_scene.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+const SurfelParams kParams;
+
+/// A square of the plane z = 0, 5 cm voxels, with noise along z.
+test::Scan noisyPlane(double noise) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> side(-1, 1);
+  std::normal_distribution<double> normal(0, noise);
+  test::Thinner thinner(0.05);
+  for (int i = 0; i < 20000; ++i) {
+    const Eigen::Vector3d truth(side(random), side(random), 0);
+    thinner.add(truth + Eigen::Vector3d(0, 0, noise > 0 ? normal(random) : 0), truth);
+  }
+  return thinner.finish();
+}
+
+void expectSane(const Points& points, const Surfels& surfels) {
+  ASSERT_EQ(surfels.normals.cols(), points.cols());
+  ASSERT_EQ(surfels.radii.size(), points.cols());
+  EXPECT_TRUE(surfels.normals.allFinite() && surfels.radii.allFinite() && surfels.offsets.allFinite());
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const float norm = surfels.normals.col(i).norm();
+    EXPECT_TRUE(norm == 0 || std::abs(norm - 1) < 1e-3) << norm;
+    EXPECT_GE(surfels.radii[i], 0);
+  }
+}
+
+TEST(Surfels, NoPointsGiveNoSurfels) {
+  EXPECT_EQ(estimateSurfels(Points(3, 0), kParams).radii.size(), 0);
+}
+
+TEST(Surfels, FewOrEqualPointsAreHandled) {
+  for (const int count : {1, 2, 3, 100}) {
+    const Points same = Points::Constant(3, count, 7.5F);
+    expectSane(same, estimateSurfels(same, kParams));
+    const Points line = Eigen::Vector3f(1, 2, 3) * Eigen::RowVectorXf::LinSpaced(count, 0, 1);
+    const Surfels surfels = estimateSurfels(line, kParams);
+    expectSane(line, surfels);
+    EXPECT_TRUE(surfels.normals.isZero());  // a line has no plane
+  }
+}
+
+TEST(Surfels, NormalsOfANoisyPlaneAreItsOwn) {
+  const test::Scan scan = noisyPlane(0.02);
+  const Surfels surfels = estimateSurfels(scan.points, kParams);
+  expectSane(scan.points, surfels);
+  int flat = 0;
+  double squared_sine = 0;
+  for (Eigen::Index i = 0; i < scan.points.cols(); ++i) {
+    const Eigen::Vector3f normal = surfels.normals.col(i);
+    if (normal.isZero()) continue;
+    ++flat;
+    squared_sine += normal.head<2>().squaredNorm();
+  }
+  EXPECT_GT(flat, 0.95 * static_cast<double>(scan.points.cols()));
+  EXPECT_LT(std::sqrt(squared_sine / flat), 0.15);
+}
+
+TEST(Surfels, OffsetsThinTheSlab) {
+  const test::Scan scan = noisyPlane(0.02);
+  const Surfels surfels = estimateSurfels(scan.points, kParams);
+  double before = 0, after = 0;
+  for (Eigen::Index i = 0; i < scan.points.cols(); ++i) {
+    before += std::pow(scan.points(2, i), 2);
+    after += std::pow(surfels.onSurface(i, scan.points.col(i)).z(), 2);
+  }
+  EXPECT_LT(after, before / 9);  // a third of the thickness
+}
+
+TEST(Surfels, CurvedSurfaceKeepsItsSize) {
+  std::mt19937 random(4);
+  std::normal_distribution<float> normal;
+  Points sphere(3, 3000);
+  for (Eigen::Index i = 0; i < sphere.cols(); ++i) {
+    sphere.col(i) = Eigen::Vector3f(normal(random), normal(random), normal(random)).normalized();
+  }
+  const Surfels surfels = estimateSurfels(sphere, kParams);
+  double sum = 0;
+  for (Eigen::Index i = 0; i < sphere.cols(); ++i) sum += 1 - surfels.onSurface(i, sphere.col(i)).norm();
+  const double spacing = std::sqrt(4 * M_PI / 3000);
+  EXPECT_LT(std::abs(sum / 3000), 0.01 * spacing);  // planes through the neighbours lie 0.11 spacings too deep
+}
+
+TEST(Surfels, DiscsCloseTheSurface) {
+  for (const double noise : {0.0, 0.02}) {
+    const test::Scan scan = noisyPlane(noise);
+    const Surfels surfels = estimateSurfels(scan.points, kParams);
+    std::mt19937 random(2);
+    std::uniform_real_distribution<float> side(-0.9F, 0.9F);
+    int open = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const Eigen::Vector2f place(side(random), side(random));
+      const auto distances = (scan.points.topRows<2>().colwise() - place).colwise().norm();
+      open += !(distances.transpose().array() <= surfels.radii.array()).any();
+    }
+    EXPECT_LT(open, 10);
+    EXPECT_LT(surfels.radii.mean(), 0.07);  // about a voxel
+  }
+}
+
+TEST(Surfels, ScanLinesOfAWallStillGiveItsPlane) {
+  Points points(3, 10 * 200);
+  for (int line = 0; line < 10; ++line) {
+    for (int i = 0; i < 200; ++i) {
+      points.col(line * 200 + i) = Eigen::Vector3f(0.01F * static_cast<float>(i), 5, 0.15F * static_cast<float>(line));
+    }
+  }
+  const Surfels surfels = estimateSurfels(points, kParams);
+  expectSane(points, surfels);
+  int good = 0;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    good += std::abs(surfels.normals(1, i)) > 0.99F && surfels.radii[i] > 0.07F && surfels.radii[i] < 0.5F;
+  }
+  EXPECT_GT(good, 0.9 * static_cast<double>(points.cols()));
+}
+
+TEST(Surfels, FarOutlierStaysSmall) {
+  test::Scan scan = noisyPlane(0);
+  scan.points.col(0) = Eigen::Vector3f(0, 0, 0.8F);
+  EXPECT_LT(estimateSurfels(scan.points, kParams).radii[0], 0.5F);
+}
+
+TEST(Surfels, RefusesBadInput) {
+  Points points = Points::Random(3, 20);
+  points(1, 7) = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW(estimateSurfels(points, kParams), std::invalid_argument);
+  SurfelParams params;
+  params.num_neighbors = 2;
+  EXPECT_THROW(estimateSurfels(Points(3, 0), params), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace cloud_colorizer
