@@ -9,10 +9,14 @@
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/PointCloud2.h>
+#include <tf2_eigen/tf2_eigen.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <boost/make_shared.hpp>
 #include <cstring>
+#include <filesystem>
+
+#include "cloud_colorizer/ros/conversions.hpp"
 
 namespace cloud_colorizer::simulation {
 namespace {
@@ -27,18 +31,10 @@ ros::Time timeOf(std::int64_t stamp) {
 
 geometry_msgs::TransformStamped transformOf(const Eigen::Isometry3d& pose, const std::string& parent,
                                             const std::string& child, const ros::Time& stamp) {
-  const Eigen::Quaterniond q(pose.linear());
-  geometry_msgs::TransformStamped t;
+  geometry_msgs::TransformStamped t = tf2::eigenToTransform(pose);
   t.header.frame_id = parent;
   t.header.stamp = stamp;
   t.child_frame_id = child;
-  t.transform.translation.x = pose.translation().x();
-  t.transform.translation.y = pose.translation().y();
-  t.transform.translation.z = pose.translation().z();
-  t.transform.rotation.x = q.x();
-  t.transform.rotation.y = q.y();
-  t.transform.rotation.z = q.z();
-  t.transform.rotation.w = q.w();
   return t;
 }
 
@@ -58,48 +54,32 @@ sensor_msgs::CameraInfo cameraInfoOf(const DriveCamera& camera) {
 
 /// Packed as the drivers of spinning LiDARs do: x y z intensity ring time, 22 bytes.
 sensor_msgs::PointCloud2 cloudOf(const std::vector<Return>& returns) {
-  using sensor_msgs::PointField;
-  sensor_msgs::PointCloud2 cloud;
-  const auto addField = [&](const char* name, std::uint32_t offset, std::uint8_t type) {
-    PointField field;
-    field.name = name;
-    field.offset = offset;
-    field.datatype = type;
-    field.count = 1;
-    cloud.fields.push_back(field);
-  };
-  addField("x", 0, PointField::FLOAT32);
-  addField("y", 4, PointField::FLOAT32);
-  addField("z", 8, PointField::FLOAT32);
-  addField("intensity", 12, PointField::FLOAT32);
-  addField("ring", 16, PointField::UINT16);
-  addField("time", 18, PointField::FLOAT32);
-  cloud.point_step = 22;
-  cloud.height = 1;
-  cloud.width = static_cast<std::uint32_t>(returns.size());
-  cloud.row_step = cloud.point_step * cloud.width;
-  cloud.is_bigendian = 0;
-  cloud.is_dense = 1;
-  cloud.data.resize(cloud.row_step);
-  std::uint8_t* out = cloud.data.data();
-  for (const Return& r : returns) {
-    std::memcpy(out, r.point.data(), 12);
-    std::memcpy(out + 12, &r.intensity, 4);
-    std::memcpy(out + 16, &r.ring, 2);
-    std::memcpy(out + 18, &r.time, 4);
-    out += cloud.point_step;
+  Cloud cloud;
+  cloud.fields = {{"intensity", FieldType::kFloat32}, {"ring", FieldType::kUint16}, {"time", FieldType::kFloat32}};
+  cloud.positions.resize(3, static_cast<Eigen::Index>(returns.size()));
+  cloud.records.resize(10 * returns.size());
+  std::uint8_t* record = cloud.records.data();
+  for (std::size_t i = 0; i < returns.size(); ++i, record += 10) {
+    cloud.positions.col(static_cast<Eigen::Index>(i)) = returns[i].point.cast<double>();
+    std::memcpy(record, &returns[i].intensity, 4);
+    std::memcpy(record + 4, &returns[i].ring, 2);
+    std::memcpy(record + 6, &returns[i].time, 4);
   }
-  return cloud;
+  sensor_msgs::PointCloud2 message;
+  appendToMessage(cloud, message);
+  return message;
 }
 
 }  // namespace
 
 struct DriveBag::Impl {
-  explicit Impl(const Drive& d) : drive(d) {}
   const Drive& drive;
+  std::string path;
   rosbag::Bag bag;
   int next_pose = 0;
+  bool is_whole = false;
 
+  std::string partial() const { return path + ".part"; }
   template <class Message>
   void write(const std::string& topic, double received, const Message& message) {
     bag.write(topic, timeOf(drive.stamp(received)), message);
@@ -111,8 +91,8 @@ std::string imageTopic(const Drive& drive, int camera) {
   return drive.options().image_transport == "raw" ? topic : topic + "/compressed";
 }
 
-DriveBag::DriveBag(const std::string& path, const Drive& drive) : impl_(std::make_unique<Impl>(drive)) {
-  impl_->bag.open(path, rosbag::bagmode::Write);
+DriveBag::DriveBag(const std::string& path, const Drive& drive) : impl_(new Impl{drive, path, {}}) {
+  impl_->bag.open(impl_->partial(), rosbag::bagmode::Write);
   tf2_msgs::TFMessage mounts;
   const ros::Time start = timeOf(drive.stamp(0));
   mounts.transforms.push_back(transformOf(drive.baseFromLidar(), "base_link", "lidar", start));
@@ -129,7 +109,10 @@ DriveBag::DriveBag(const std::string& path, const Drive& drive) : impl_(std::mak
   impl_->bag.write("/tf_static", start, mounts, latched);
 }
 
-DriveBag::~DriveBag() = default;
+DriveBag::~DriveBag() {
+  std::error_code ignored;
+  if (!impl_->is_whole) std::filesystem::remove(impl_->partial(), ignored);
+}
 
 void DriveBag::writePosesUntil(double time) {
   for (;; ++impl_->next_pose) {
@@ -142,7 +125,7 @@ void DriveBag::writePosesUntil(double time) {
   }
 }
 
-void DriveBag::writeImage(int camera, int frame, const EncodedImage& image) {
+void DriveBag::writeImage(int camera, int frame, const ImageBytes& image) {
   const DriveCamera& c = impl_->drive.cameras().at(static_cast<std::size_t>(camera));
   const double received = impl_->drive.imageTime(camera, frame) + kLatency;
   sensor_msgs::CameraInfo info = cameraInfoOf(c);
@@ -156,13 +139,13 @@ void DriveBag::writeImage(int camera, int frame, const EncodedImage& image) {
     message.height = info.height;
     message.encoding = "rgb8";
     message.step = 3 * info.width;
-    message.data = image.bytes;
+    message.data = image;
     impl_->write(imageTopic(impl_->drive, camera), received, message);
   } else {
     sensor_msgs::CompressedImage message;
     message.header = info.header;
     message.format = "rgb8; jpeg compressed bgr8";
-    message.data = image.bytes;
+    message.data = image;
     impl_->write(imageTopic(impl_->drive, camera), received, message);
   }
 }
@@ -178,6 +161,8 @@ void DriveBag::writeScan(int frame, const std::vector<Return>& returns) {
 
 void DriveBag::close() {
   impl_->bag.close();
+  std::filesystem::rename(impl_->partial(), impl_->path);
+  impl_->is_whole = true;
 }
 
 }  // namespace cloud_colorizer::simulation

@@ -13,12 +13,10 @@
 
 namespace cloud_colorizer::simulation {
 
-/// Image bytes as the camera's driver sends them.
-struct EncodedImage {
-  std::vector<std::uint8_t> bytes;  ///< JPEG, or rgb8 rows
-};
+using ImageBytes = std::vector<std::uint8_t>;  ///< as the camera's driver sends them: JPEG, or rgb8 rows
 
 /// Writes messages at the times at which a live system would have received them; so the bag is the same every time.
+/// The file has another name until close(): it is whole or absent.
 class DriveBag {
  public:
   /// Topics: /lidar/points, /camera_i/image or /camera_i/image/compressed, /camera_i/camera_info, /tf, /tf_static.
@@ -27,7 +25,7 @@ class DriveBag {
 
   /// The poses of tf up to `time` [s] that have not been written yet.
   void writePosesUntil(double time);
-  void writeImage(int camera, int frame, const EncodedImage& image);
+  void writeImage(int camera, int frame, const ImageBytes& image);
   void writeScan(int frame, const std::vector<Return>& returns);
   void close();
 

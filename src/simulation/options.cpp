@@ -47,35 +47,19 @@ std::string toText(const Value& value) {
 }  // namespace
 
 void Options::check() const {
-  requireInRange("seed", seed, 0, 1000000000);
-  requireInRange("frames", frames, 1, 100000);
-  requireInRange("cameras", cameras, 1, 6);
-  requireInRange("rate", rate, 1.0, 100.0);
-  requireInRange("speed", speed, 0.0, 50.0);
-  requireInRange("width", width, 16, 8192);
-  requireInRange("height", height, 16, 8192);
-  requireInRange("pixel-noise", pixel_noise, 0.0, 50.0);
-  requireInRange("exposure", exposure, 0.0, 0.5);
-  requireInRange("white-balance", white_balance, 0.0, 0.5);
-  requireInRange("vignetting", vignetting, 0.0, 0.9);
-  requireInRange("jpeg-quality", jpeg_quality, 1, 100);
+  visitOptions(*this, [](const char* name, const auto& value, const Range& range, const char*) {
+    using Value = std::decay_t<decltype(value)>;
+    if constexpr (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>) {
+      requireInRange(name, value, static_cast<Value>(range.low), static_cast<Value>(range.high));
+    }
+  });
   require<std::invalid_argument>(image_transport == "compressed" || image_transport == "raw",
                                  "parameter image-transport = ", image_transport, " must be compressed or raw");
-  requireInRange("beams", beams, 1, 256);
-  requireInRange("azimuths", azimuths, 1, 10000);
-  requireInRange("lidar-range", lidar_range, 1.0, 500.0);
-  requireInRange("range-noise", range_noise, 0.0, 1.0);
-  requireInRange("pose-noise-deg", pose_noise_deg, 0.0, 10.0);
-  requireInRange("pose-noise-m", pose_noise_m, 0.0, 1.0);
-  requireInRange("extrinsic-noise-deg", extrinsic_noise_deg, 0.0, 10.0);
-  requireInRange("extrinsic-noise-m", extrinsic_noise_m, 0.0, 1.0);
-  requireInRange("time-offset", time_offset, -0.2, 0.2);
-  requireInRange("voxel-size", voxel_size, 0.0, 10.0);
 }
 
 void setOption(Options& options, const std::string& name, const std::string& text) {
   bool is_known = false;
-  visitOptions(options, [&](const char* known, auto& value, const char*) {
+  visitOptions(options, [&](const char* known, auto& value, const Range&, const char*) {
     if (name != known) return;
     parse(name, text, value);
     is_known = true;
@@ -85,7 +69,7 @@ void setOption(Options& options, const std::string& name, const std::string& tex
 
 std::vector<OptionText> describeOptions(const Options& options) {
   std::vector<OptionText> texts;
-  visitOptions(options, [&](const char* name, const auto& value, const char* help) {
+  visitOptions(options, [&](const char* name, const auto& value, const Range&, const char* help) {
     texts.push_back({name, toText(value), help});
   });
   return texts;

@@ -43,33 +43,39 @@ struct Options {
   void check() const;
 };
 
-/// Calls f(name, field, help) for every option: the command line, scene.yaml and --help know them from here alone.
+struct Range {
+  double low = 0, high = 0;
+};
+
+/// Calls f(name, field, range, help) for every option: the command line, scene.yaml, --help and check() know them from
+/// here alone. What is no number has no range.
 template <class Options_, class F>
 void visitOptions(Options_& o, F&& f) {
-  f("seed", o.seed, "of the street and of all noise");
-  f("frames", o.frames, "LiDAR scans, and images of each camera");
-  f("cameras", o.cameras, "1 to 6: plumb_bob left, rational_polynomial right, equidistant ahead, and so on");
-  f("rate", o.rate, "Hz, frames a second");
-  f("speed", o.speed, "m/s of the vehicle");
-  f("moving-car", o.moving_car, "a car comes the other way");
-  f("width", o.width, "px of the images");
-  f("height", o.height, "px of the images");
-  f("pixel-noise", o.pixel_noise, "standard deviation of the noise of a pixel, of 255");
-  f("exposure", o.exposure, "largest deviation of the gain of the auto-exposure from 1");
-  f("white-balance", o.white_balance, "largest deviation of a channel's gain of a camera from 1");
-  f("vignetting", o.vignetting, "loss of brightness in the corner of the image, 0 to 1");
-  f("jpeg-quality", o.jpeg_quality, "1 to 100");
-  f("image-transport", o.image_transport, "compressed or raw");
-  f("beams", o.beams, "of the LiDAR");
-  f("azimuths", o.azimuths, "firings a revolution of the LiDAR");
-  f("lidar-range", o.lidar_range, "m, the farthest return");
-  f("range-noise", o.range_noise, "m, standard deviation of a range");
-  f("pose-noise-deg", o.pose_noise_deg, "deg, standard deviation of the vehicle's attitude an axis");
-  f("pose-noise-m", o.pose_noise_m, "m, standard deviation of the vehicle's position an axis");
-  f("extrinsic-noise-deg", o.extrinsic_noise_deg, "deg, error of the extrinsics an axis");
-  f("extrinsic-noise-m", o.extrinsic_noise_m, "m, error of the extrinsics an axis");
-  f("time-offset", o.time_offset, "s by which the stamps of the images are late");
-  f("voxel-size", o.voxel_size, "m, of truth.ply; 0 keeps every return");
+  f("seed", o.seed, Range{0, 1000000000}, "of the street and of all noise");
+  f("frames", o.frames, Range{1, 100000}, "LiDAR scans, and images of each camera");
+  f("cameras", o.cameras, Range{1, 6},
+    "1 to 6: plumb_bob left, rational_polynomial right, equidistant ahead, and so on");
+  f("rate", o.rate, Range{1.0, 100.0}, "Hz, frames a second");
+  f("speed", o.speed, Range{0.0, 50.0}, "m/s of the vehicle");
+  f("moving-car", o.moving_car, Range{}, "a car comes the other way");
+  f("width", o.width, Range{16, 8192}, "px of the images");
+  f("height", o.height, Range{16, 8192}, "px of the images");
+  f("pixel-noise", o.pixel_noise, Range{0.0, 50.0}, "standard deviation of the noise of a pixel, of 255");
+  f("exposure", o.exposure, Range{0.0, 0.5}, "largest deviation of the gain of the auto-exposure from 1");
+  f("white-balance", o.white_balance, Range{0.0, 0.5}, "largest deviation of a channel's gain of a camera from 1");
+  f("vignetting", o.vignetting, Range{0.0, 0.9}, "loss of brightness in the corner of the image, 0 to 1");
+  f("jpeg-quality", o.jpeg_quality, Range{1, 100}, "1 to 100");
+  f("image-transport", o.image_transport, Range{}, "compressed or raw");
+  f("beams", o.beams, Range{1, 256}, "of the LiDAR");
+  f("azimuths", o.azimuths, Range{1, 10000}, "firings a revolution of the LiDAR");
+  f("lidar-range", o.lidar_range, Range{1.0, 500.0}, "m, the farthest return");
+  f("range-noise", o.range_noise, Range{0.0, 1.0}, "m, standard deviation of a range");
+  f("pose-noise-deg", o.pose_noise_deg, Range{0.0, 10.0}, "deg, standard deviation of the vehicle's attitude an axis");
+  f("pose-noise-m", o.pose_noise_m, Range{0.0, 1.0}, "m, standard deviation of the vehicle's position an axis");
+  f("extrinsic-noise-deg", o.extrinsic_noise_deg, Range{0.0, 10.0}, "deg, error of the extrinsics an axis");
+  f("extrinsic-noise-m", o.extrinsic_noise_m, Range{0.0, 1.0}, "m, error of the extrinsics an axis");
+  f("time-offset", o.time_offset, Range{-0.2, 0.2}, "s by which the stamps of the images are late");
+  f("voxel-size", o.voxel_size, Range{0.0, 10.0}, "m, of truth.ply; 0 keeps every return");
 }
 
 /// Sets one option from text. Throws std::invalid_argument: unknown name, no number.

@@ -2,26 +2,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <iomanip>
+#include <sstream>
 
-#include "cloud_colorizer/base/check.hpp"
+#include "base/file_io.hpp"
 #include "simulation/random.hpp"
 #include "simulation/truth.hpp"
 
 namespace cloud_colorizer::simulation {
 namespace {
 
-std::ofstream openToWrite(const std::string& path) {
-  std::ofstream file(path, std::ios::binary);
-  require(file.good(), "cannot write ", path, ": ", std::strerror(errno));
-  return file;
-}
-
-void finish(std::ofstream& file, const std::string& path) {
-  file.close();
-  require(!file.fail(), "cannot write ", path, ": ", std::strerror(errno));
+void write(const std::string& path, const std::ostringstream& text) {
+  const std::string bytes = text.str();
+  writeFileAtomically(path, bytes.data(), bytes.size());
 }
 
 /// tx ty tz qx qy qz qw
@@ -55,19 +48,21 @@ void TruthCloud::add(const Scene& scene, const std::vector<Return>& returns) {
 }
 
 void TruthCloud::write(const std::string& path) const {
-  std::ofstream file = openToWrite(path);
-  file << "ply\nformat binary_little_endian 1.0\ncomment true surface points and colours\nelement vertex " << size()
-       << "\nproperty double x\nproperty double y\nproperty double z\n"
-       << "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+  std::ostringstream header;
+  header << "ply\nformat binary_little_endian 1.0\ncomment true surface points and colours\nelement vertex " << size()
+         << "\nproperty double x\nproperty double y\nproperty double z\n"
+         << "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+  AtomicFile file(path);
+  file.append(header.str().data(), header.str().size());
   for (std::size_t i = 0; i < positions_.size(); ++i) {
-    file.write(reinterpret_cast<const char*>(positions_[i].data()), 24);
-    file.write(reinterpret_cast<const char*>(&colors_[3 * i]), 3);
+    file.append(positions_[i].data(), 24);
+    file.append(&colors_[3 * i], 3);
   }
-  finish(file, path);
+  file.commit(false);
 }
 
 void writeTruePoses(const Drive& drive, const std::string& path) {
-  std::ofstream file = openToWrite(path);
+  std::ostringstream file;
   file << "# true map_from_camera (optical frame) of every image, and what the camera multiplied the colours with\n"
        << "camera,frame,stamp,gain_red,gain_green,gain_blue,tx,ty,tz,qx,qy,qz,qw\n"
        << std::setprecision(12);
@@ -80,11 +75,11 @@ void writeTruePoses(const Drive& drive, const std::string& path) {
       file << '\n';
     }
   }
-  finish(file, path);
+  write(path, file);
 }
 
 void writeSceneFile(const Drive& drive, const std::string& path) {
-  std::ofstream file = openToWrite(path);
+  std::ostringstream file;
   file << "# A simulated drive. The same options make the same files again.\noptions:\n" << std::setprecision(12);
   for (const OptionText& option : describeOptions(drive.options())) {
     file << "  " << option.name << ": " << option.value << "  # " << option.help << '\n';
@@ -98,7 +93,7 @@ void writeSceneFile(const Drive& drive, const std::string& path) {
     file << "]\n    white_balance: [" << camera.white_balance[0] << ", " << camera.white_balance[1] << ", "
          << camera.white_balance[2] << "]\n";
   }
-  finish(file, path);
+  write(path, file);
 }
 
 }  // namespace cloud_colorizer::simulation
