@@ -100,10 +100,10 @@ void scatter(const ObservedBed& observed, const Values& values, MethodResult& re
   }
 }
 
-void colorByPreset(const ObservedBed& observed, Method method, Params params, MethodResult& result) {
-  params.colorize.method = method;
-  scatter(observed, colorPoints(observed.points, observed.observations, gridOf(observed.points), params).values,
-          result);
+void colorByPreset(const ObservedBed& observed, Method method, const Params& params, MethodResult& result) {
+  const ZOrderGrid grid = gridOf(observed.points);
+  const Fused colors = colorPoints(observed.points, observed.observations, grid, method, params.graph, params.system);
+  scatter(observed, colors.values, result);
 }
 
 void colorByGraph(const ObservedBed& observed, const std::string& method, const Params& params, MethodResult& result) {

@@ -5,21 +5,19 @@
 #pragma once
 
 #include "cloud_colorizer/base/types.hpp"
-#include "cloud_colorizer/map/params.hpp"
+#include "cloud_colorizer/color/fuse.hpp"
+#include "cloud_colorizer/color/graph.hpp"
+#include "cloud_colorizer/color/system.hpp"
 #include "cloud_colorizer/surface/zorder.hpp"
 #include "cloud_colorizer/visibility/observe.hpp"
 
 namespace cloud_colorizer {
 
-/// One column a point; zeros where no view saw it.
-struct PointColors {
-  Values values;           ///< m x n
-  Eigen::VectorXi count;   ///< n, number of views
-  Eigen::VectorXf stddev;  ///< n, over the views
-};
+enum class Method { kDefault, kPaper, kMean, kMedian, kClosest };
 
-/// Colours by params.colorize.method. Points that no view sees take no part in the graph.
-/// `paper` is the formulation as published: plain means, all views alike, no weight on points that are no anchors.
-PointColors colorPoints(PointsRef points, Observations observations, const ZOrderGrid& grid, const Params& params);
+/// The fused values, for kDefault and kPaper solved for on the graph, in which points that no view sees take no part.
+/// kPaper is the formulation as published: plain means, all views alike, no weight on points that are no anchors.
+Fused colorPoints(PointsRef points, Observations observations, const ZOrderGrid& grid, Method method, GraphParams graph,
+                  SystemParams system);
 
 }  // namespace cloud_colorizer

@@ -12,6 +12,7 @@
 
 #include "cloud_colorizer/alignment/align.hpp"
 #include "cloud_colorizer/color/graph.hpp"
+#include "cloud_colorizer/color/point_colors.hpp"
 #include "cloud_colorizer/color/system.hpp"
 #include "cloud_colorizer/color/tone.hpp"
 #include "cloud_colorizer/map/chunks.hpp"
@@ -22,7 +23,6 @@
 
 namespace cloud_colorizer {
 
-enum class Method { kDefault, kPaper, kMean, kMedian, kClosest };
 enum class Uncolored { kKeep, kDrop, kFill };
 
 struct ColorizeParams {

@@ -49,29 +49,22 @@ Fused fuse(const Observations& observations, Method method) {
 
 }  // namespace
 
-PointColors colorPoints(PointsRef points, Observations observations, const ZOrderGrid& grid, const Params& params) {
-  const Method method = params.colorize.method;
+Fused colorPoints(PointsRef points, Observations observations, const ZOrderGrid& grid, Method method, GraphParams graph,
+                  SystemParams system) {
   Fused fused = fuse(observations, method);
-  PointColors colors{std::move(fused.values), std::move(fused.count), std::move(fused.stddev)};
-  if (method != Method::kPaper && method != Method::kDefault) return colors;
-
   const std::vector<Index> seen = seenPoints(observations);
-  if (seen.empty()) return colors;
-  Fused data;
-  data.values = gatherColumns(colors.values, seen);
-  data.count = gatherColumns(colors.count, seen);
-  data.stddev = gatherColumns(colors.stddev, seen);
-  data.observation_weights = std::move(fused.observation_weights);
-  GraphParams graph = params.graph;
-  SystemParams system = params.system;
+  if ((method != Method::kPaper && method != Method::kDefault) || seen.empty()) return fused;
+
+  const Fused data{gatherColumns(fused.values, seen), gatherColumns(fused.count, seen),
+                   gatherColumns(fused.stddev, seen), std::move(fused.observation_weights)};
   if (method == Method::kPaper) {
     graph.edge_length_ratio = 0;
     system.min_data_weight = 0;
   }
   dropUnseen(observations, seen);
   const Values solved = solveValues(gatherColumns<Points>(points, seen), observations, data, grid, graph, system);
-  for (std::size_t k = 0; k < seen.size(); ++k) colors.values.col(seen[k]) = solved.col(static_cast<Index>(k));
-  return colors;
+  for (std::size_t k = 0; k < seen.size(); ++k) fused.values.col(seen[k]) = solved.col(static_cast<Index>(k));
+  return fused;
 }
 
 }  // namespace cloud_colorizer

@@ -53,7 +53,7 @@ ZOrderGrid globalGrid(const Recording& recording) {
 
 /// Writes the colours of the core's tiles; column k of `colors` belongs to gathered point order[k].
 void writeCore(const Workspace& work, const Chunk& chunk, const std::vector<Index>& order, const ToneField& tone,
-               const Points& points, const PointColors& colors, const std::vector<Unseen>& unseen) {
+               const Points& points, const Fused& colors, const std::vector<Unseen>& unseen) {
   std::vector<Index> column_of(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) column_of[static_cast<std::size_t>(order[k])] = static_cast<Index>(k);
   std::size_t gathered = 0;
@@ -88,7 +88,8 @@ void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid, con
   const auto viewAt = [&](std::size_t k) { return work.observedView(views[k]); };
   const Params& params = work.params();
   ObserveResult seen = observe(surface.points, surface.surfels, views.size(), viewAt, params.depth, params.observe);
-  PointColors colors = colorPoints(surface.points, std::move(seen.observations), grid, params);
+  Fused colors = colorPoints(surface.points, std::move(seen.observations), grid, params.colorize.method, params.graph,
+                             params.system);
   // Without a view nothing tells the number of channels.
   if (views.empty()) colors.values = Values::Zero(3, surface.size());
   writeCore(work, chunk, order, tone, surface.points, colors, seen.unseen);
