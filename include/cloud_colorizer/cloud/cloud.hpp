@@ -7,6 +7,9 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -14,7 +17,43 @@ namespace cloud_colorizer {
 
 /// Values as in sensor_msgs/PointField.
 enum class FieldType : std::uint8_t { kInt8 = 1, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
-std::size_t sizeOf(FieldType type);
+
+/// f(T{}) with the C++ type of a field's numbers. Throws std::invalid_argument on a value that is no type.
+template <class F>
+auto withType(FieldType type, F&& f) {
+  switch (type) {
+    case FieldType::kInt8:
+      return f(std::int8_t{});
+    case FieldType::kUint8:
+      return f(std::uint8_t{});
+    case FieldType::kInt16:
+      return f(std::int16_t{});
+    case FieldType::kUint16:
+      return f(std::uint16_t{});
+    case FieldType::kInt32:
+      return f(std::int32_t{});
+    case FieldType::kUint32:
+      return f(std::uint32_t{});
+    case FieldType::kFloat32:
+      return f(float{});
+    case FieldType::kFloat64:
+      return f(double{});
+  }
+  throw std::invalid_argument("field type " + std::to_string(static_cast<int>(type)) + " must be 1 to 8");
+}
+
+/// Bytes of one number.
+inline std::size_t sizeOf(FieldType type) {
+  return withType(type, [](auto number) { return sizeof number; });
+}
+
+/// The number of that type that begins at `bytes`; alignment does not matter.
+inline double numberAt(const std::uint8_t* bytes, FieldType type) {
+  return withType(type, [&](auto number) {
+    std::memcpy(&number, bytes, sizeof number);
+    return static_cast<double>(number);
+  });
+}
 
 struct Field {
   std::string name;
@@ -25,6 +64,14 @@ bool operator==(const Field& a, const Field& b);
 
 /// Bytes of one record of fields packed without padding.
 std::size_t recordSize(const std::vector<Field>& fields);
+
+/// A field and where it begins in a record.
+struct LocatedField {
+  Field field;
+  std::size_t offset = 0;
+};
+/// Nothing where no field has that name.
+std::optional<LocatedField> findField(const std::vector<Field>& fields, const std::string& name);
 
 /// Throws std::invalid_argument on fields that no file can hold: an empty name or one with spaces, "_" (padding in a
 /// PCD), x, y or z, two of one name, a count of 0.

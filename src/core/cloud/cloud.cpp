@@ -11,24 +11,6 @@
 
 namespace cloud_colorizer {
 
-std::size_t sizeOf(FieldType type) {
-  switch (type) {
-    case FieldType::kInt8:
-    case FieldType::kUint8:
-      return 1;
-    case FieldType::kInt16:
-    case FieldType::kUint16:
-      return 2;
-    case FieldType::kInt32:
-    case FieldType::kUint32:
-    case FieldType::kFloat32:
-      return 4;
-    case FieldType::kFloat64:
-      return 8;
-  }
-  throw std::invalid_argument("field type " + std::to_string(static_cast<int>(type)) + " must be 1 to 8");
-}
-
 bool operator==(const Field& a, const Field& b) {
   return a.name == b.name && a.type == b.type && a.count == b.count;
 }
@@ -37,6 +19,15 @@ std::size_t recordSize(const std::vector<Field>& fields) {
   std::size_t size = 0;
   for (const auto& field : fields) size += sizeOf(field.type) * field.count;
   return size;
+}
+
+std::optional<LocatedField> findField(const std::vector<Field>& fields, const std::string& name) {
+  std::size_t offset = 0;
+  for (const auto& field : fields) {
+    if (field.name == name) return LocatedField{field, offset};
+    offset += sizeOf(field.type) * field.count;
+  }
+  return std::nullopt;
 }
 
 void checkFields(const std::vector<Field>& fields) {

@@ -14,29 +14,6 @@ namespace cloud_colorizer {
 
 namespace {
 
-/// Calls f(T{}) with the C++ type of a field.
-template <class F>
-auto withType(FieldType type, F&& f) {
-  switch (type) {
-    case FieldType::kInt8:
-      return f(std::int8_t{});
-    case FieldType::kUint8:
-      return f(std::uint8_t{});
-    case FieldType::kInt16:
-      return f(std::int16_t{});
-    case FieldType::kUint16:
-      return f(std::uint16_t{});
-    case FieldType::kInt32:
-      return f(std::int32_t{});
-    case FieldType::kUint32:
-      return f(std::uint32_t{});
-    case FieldType::kFloat32:
-      return f(float{});
-    default:
-      return f(double{});
-  }
-}
-
 void swapBytes(std::uint8_t* raw, std::size_t stride, std::size_t num_points, std::size_t size) {
   for (std::size_t i = 0; i < num_points; ++i, raw += stride) std::reverse(raw, raw + size);
 }

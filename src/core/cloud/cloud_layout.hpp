@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "cloud/block_reader.hpp"
 #include "cloud_colorizer/cloud/cloud.hpp"
 
 namespace cloud_colorizer {
@@ -28,10 +27,6 @@ struct CloudHeader {
   std::uint64_t num_points = 0;
   Encoding encoding = Encoding::kBinary;
 };
-
-/// Read the header; the reader then stands at the first point. Throw std::runtime_error with file and reason.
-CloudHeader readPlyHeader(BlockReader& input);
-CloudHeader readPcdHeader(BlockReader& input);
 
 class CloudLayout {
  public:

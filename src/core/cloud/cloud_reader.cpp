@@ -4,7 +4,8 @@
 #include <cstring>
 
 #include "base/text.hpp"
-#include "cloud/cloud_layout.hpp"
+#include "cloud/pcd.hpp"
+#include "cloud/ply.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
 

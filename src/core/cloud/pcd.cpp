@@ -5,7 +5,6 @@
 #include <map>
 
 #include "base/text.hpp"
-#include "cloud/cloud_layout.hpp"
 #include "cloud_colorizer/base/check.hpp"
 
 namespace cloud_colorizer {

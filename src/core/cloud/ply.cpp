@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cloud/ply.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstring>
 
 #include "base/text.hpp"
-#include "cloud/cloud_layout.hpp"
 #include "cloud_colorizer/base/check.hpp"
 
 namespace cloud_colorizer {

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
@@ -18,50 +17,6 @@ using Eigen::Index;
 /// Views that see one sample point, at the least: so many points give every view its alignment_points.
 constexpr double kViewsPerPoint = 8;
 
-struct IntensityField {
-  bool found = false;
-  std::size_t offset = 0;
-  FieldType type = FieldType::kFloat32;
-};
-
-IntensityField findIntensity(const std::vector<Field>& fields) {
-  std::size_t offset = 0;
-  for (const Field& field : fields) {
-    if (field.name == "intensity" || field.name == "reflectivity") return {true, offset, field.type};
-    offset += sizeOf(field.type) * field.count;
-  }
-  return {};
-}
-
-template <class T>
-float readAs(const std::uint8_t* bytes) {
-  T value;
-  std::memcpy(&value, bytes, sizeof(value));
-  return static_cast<float>(value);
-}
-
-float readNumber(const std::uint8_t* bytes, FieldType type) {
-  switch (type) {
-    case FieldType::kInt8:
-      return readAs<std::int8_t>(bytes);
-    case FieldType::kUint8:
-      return readAs<std::uint8_t>(bytes);
-    case FieldType::kInt16:
-      return readAs<std::int16_t>(bytes);
-    case FieldType::kUint16:
-      return readAs<std::uint16_t>(bytes);
-    case FieldType::kInt32:
-      return readAs<std::int32_t>(bytes);
-    case FieldType::kUint32:
-      return readAs<std::uint32_t>(bytes);
-    case FieldType::kFloat32:
-      return readAs<float>(bytes);
-    case FieldType::kFloat64:
-      return readAs<double>(bytes);
-  }
-  return 0;
-}
-
 struct Sample {
   Surface surface;
   Eigen::VectorXf intensity;  ///< empty where the recording has none
@@ -73,8 +28,10 @@ Sample samplePoints(Workspace& work) {
   const double wanted = work.params().alignment.alignment_points / kViewsPerPoint;
   const double share =
       wanted * static_cast<double>(recording.views().size()) / static_cast<double>(recording.numPoints());
-  const IntensityField field = findIntensity(recording.fields());
-  const std::size_t record_size = recordSize(recording.fields());
+  const std::vector<Field>& fields = recording.fields();
+  const auto found = findField(fields, "intensity");
+  const auto field = found ? found : findField(fields, "reflectivity");
+  const std::size_t record_size = recordSize(fields);
 
   std::vector<Surface> taken;
   std::vector<float> intensity;
@@ -83,11 +40,11 @@ Sample samplePoints(Workspace& work) {
     const std::vector<Index> columns = hashedSample(surface->points, share);
     if (columns.empty()) continue;
     taken.push_back(gatherSurface(*surface, columns));
-    if (!field.found) continue;
+    if (!field) continue;
     const std::vector<std::uint8_t> records = recording.readRecords(tile);
     for (const Index i : columns) {
       const std::uint8_t* record = records.data() + static_cast<std::size_t>(i) * record_size;
-      intensity.push_back(readNumber(record + field.offset, field.type));
+      intensity.push_back(static_cast<float>(numberAt(record + field->offset, field->field.type)));
     }
   }
   Sample sample{concatenate(taken), {}};

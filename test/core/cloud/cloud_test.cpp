@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 namespace cloud_colorizer {
 namespace {
 
@@ -14,6 +16,38 @@ TEST(Cloud, RecordSizeIsPacked) {
   EXPECT_EQ(recordSize({{"ring", FieldType::kUint16}, {"time", FieldType::kFloat64}, {"rgb", FieldType::kUint8, 3}}),
             2U + 8U + 3U);
   EXPECT_THROW(sizeOf(static_cast<FieldType>(9)), std::invalid_argument);
+}
+
+TEST(Cloud, NumbersOfEveryType) {
+  const auto check = [](FieldType type, double number) {
+    Bytes bytes(9);
+    const auto size = withType(type, [&](auto zero) {
+      const auto stored = static_cast<decltype(zero)>(number);
+      std::memcpy(bytes.data() + 1, &stored, sizeof stored);
+      return sizeof stored;
+    });
+    EXPECT_EQ(sizeOf(type), size);
+    EXPECT_EQ(numberAt(bytes.data() + 1, type), number) << static_cast<int>(type);
+  };
+  check(FieldType::kInt8, -128);
+  check(FieldType::kUint8, 255);
+  check(FieldType::kInt16, -32768);
+  check(FieldType::kUint16, 65535);
+  check(FieldType::kInt32, -2147483648.0);
+  check(FieldType::kUint32, 4294967295.0);
+  check(FieldType::kFloat32, 0.5F);
+  check(FieldType::kFloat64, 1e300);
+  EXPECT_THROW(numberAt(Bytes(8).data(), static_cast<FieldType>(0)), std::invalid_argument);
+}
+
+TEST(Cloud, FieldsAreFoundByName) {
+  const std::vector<Field> fields{{"ring", FieldType::kUint16}, {"rgb", FieldType::kUint8, 3}, {"t"}};
+  ASSERT_TRUE(findField(fields, "t"));
+  EXPECT_EQ(findField(fields, "t")->offset, 5U);
+  EXPECT_EQ(findField(fields, "t")->field, fields[2]);
+  EXPECT_EQ(findField(fields, "ring")->offset, 0U);
+  EXPECT_FALSE(findField(fields, "x"));
+  EXPECT_FALSE(findField({}, "t"));
 }
 
 TEST(Cloud, FieldsThatNoFileCanHoldAreRefused) {
