@@ -3,8 +3,12 @@
 
 /// conversions.hpp: camera_info, raw and compressed images.
 
+#include <cv_bridge/cv_bridge.h>
+#include <sensor_msgs/image_encodings.h>
+
 #include <algorithm>
-#include <cstring>
+#include <boost/make_shared.hpp>
+#include <limits>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -17,6 +21,7 @@ namespace {
 
 using sensor_msgs::CameraInfo;
 using Invalid = std::invalid_argument;
+namespace enc = sensor_msgs::image_encodings;
 
 void readDistortion(const CameraInfo& message, CameraFromInfo& camera) {
   Intrinsics& intrinsics = camera.intrinsics;
@@ -96,57 +101,66 @@ cv::Size inspectPng(const std::vector<std::uint8_t>& data) {
   return sizeFromBytes(&data[16], &data[20], 4);
 }
 
-/// How the pixels of an encoding lie in memory, and the conversion to BGR or grey (-1: none).
-struct PixelFormat {
+/// Bare numbers are colours in OpenCV's order, and some drivers have names of their own.
+std::string namedEncoding(const std::string& encoding) {
+  static const std::map<std::string, std::string> names = {
+      {"8UC1", enc::MONO8},  {"8UC3", enc::BGR8},    {"8UC4", enc::BGRA8},  {"16UC1", enc::MONO16},
+      {"16UC3", enc::BGR16}, {"16UC4", enc::BGRA16}, {"uyvy", enc::YUV422}, {"yuyv", "yuv422_yuy2"}};
+  const auto found = names.find(encoding);
+  return found == names.end() ? encoding : found->second;
+}
+
+/// NV24: the plane of brightness, then one of U and V for each pixel. Each pixel becomes a pair of UYVY.
+cv::Mat bgrFromNv24(const cv::Mat& planes) {
+  const cv::Mat y = planes.rowRange(0, planes.rows / 3);
+  const cv::Mat uv(y.rows, y.cols, CV_8UC2, planes.data + planes.step * y.rows, 2 * planes.step);
+  cv::Mat pairs(y.size(), CV_8UC4), wide, bgr;
+  std::vector<cv::Mat> to = {pairs};
+  cv::mixChannels(std::vector<cv::Mat>{uv, y}, to, {0, 0, 2, 1, 1, 2, 2, 3});
+  cv::cvtColor(pairs.reshape(2), wide, cv::COLOR_YUV2BGR_UYVY);
+  cv::resize(wide, bgr, y.size(), 0, 0, cv::INTER_NEAREST);
+  return bgr;
+}
+
+template <int code>
+cv::Mat bgrByOpenCv(const cv::Mat& image) {
+  cv::Mat bgr;
+  cv::cvtColor(image, bgr, code);
+  return bgr;
+}
+
+/// How an encoding lies in memory.
+struct Layout {
   int type = CV_8UC1;
-  int code = -1;
+  std::uint64_t rows_a_pair = 2;  ///< rows of memory for two rows of the image: planes follow one another
+  std::uint32_t width_unit = 1, height_unit = 1;  ///< px that share a colour
+  cv::Mat (*to_bgr)(const cv::Mat&) = nullptr;    ///< of what cv_bridge does not know
 };
 
-const std::map<std::string, PixelFormat>& pixelFormats() {
-  // OpenCV names a Bayer pattern by its second row and column, ROS by its first.
-  static const std::map<std::string, PixelFormat> formats = {
-      {"mono8", {CV_8UC1, -1}},
-      {"8UC1", {CV_8UC1, -1}},
-      {"mono16", {CV_16UC1, -1}},
-      {"16UC1", {CV_16UC1, -1}},
-      {"bgr8", {CV_8UC3, -1}},
-      {"8UC3", {CV_8UC3, -1}},
-      {"rgb8", {CV_8UC3, cv::COLOR_RGB2BGR}},
-      {"bgra8", {CV_8UC4, cv::COLOR_BGRA2BGR}},
-      {"8UC4", {CV_8UC4, cv::COLOR_BGRA2BGR}},
-      {"rgba8", {CV_8UC4, cv::COLOR_RGBA2BGR}},
-      {"bgr16", {CV_16UC3, -1}},
-      {"rgb16", {CV_16UC3, cv::COLOR_RGB2BGR}},
-      {"yuv422", {CV_8UC2, cv::COLOR_YUV2BGR_UYVY}},
-      {"yuv422_yuy2", {CV_8UC2, cv::COLOR_YUV2BGR_YUY2}},
-      {"bayer_rggb8", {CV_8UC1, cv::COLOR_BayerBG2BGR}},
-      {"bayer_bggr8", {CV_8UC1, cv::COLOR_BayerRG2BGR}},
-      {"bayer_gbrg8", {CV_8UC1, cv::COLOR_BayerGR2BGR}},
-      {"bayer_grbg8", {CV_8UC1, cv::COLOR_BayerGB2BGR}},
-      {"bayer_rggb16", {CV_16UC1, cv::COLOR_BayerBG2BGR}},
-      {"bayer_bggr16", {CV_16UC1, cv::COLOR_BayerRG2BGR}},
-      {"bayer_gbrg16", {CV_16UC1, cv::COLOR_BayerGR2BGR}},
-      {"bayer_grbg16", {CV_16UC1, cv::COLOR_BayerGB2BGR}},
-  };
-  return formats;
+Layout layoutOf(const sensor_msgs::Image& message) {
+  static const std::map<std::string, Layout> newer = {
+      {"yuv422_yuy2", {CV_8UC2, 2, 2, 1, bgrByOpenCv<cv::COLOR_YUV2BGR_YUY2>}},
+      {"nv12", {CV_8UC1, 3, 2, 2, bgrByOpenCv<cv::COLOR_YUV2BGR_NV12>}},
+      {"nv21", {CV_8UC1, 3, 2, 2, bgrByOpenCv<cv::COLOR_YUV2BGR_NV21>}},
+      {"nv24", {CV_8UC1, 6, 1, 1, bgrFromNv24}}};
+  const std::string name = namedEncoding(message.encoding);
+  const auto found = newer.find(name);
+  if (found != newer.end()) return found->second;
+  if (name == enc::YUV422) return {CV_8UC2, 2, 2, 1};
+  require<Invalid>(enc::isColor(name) || enc::isMono(name) || enc::isBayer(name), "unknown image encoding \"",
+                   message.encoding,
+                   "\"; known are mono, rgb, rgba, bgr, bgra and bayer_* of 8 or 16 bits, 8UC1, 8UC3, ",
+                   "8UC4, 16UC1, 16UC3, 16UC4, yuv422 (uyvy), yuv422_yuy2 (yuyv), nv12, nv21, nv24");
+  return {cv_bridge::getCvType(name)};
 }
 
-const PixelFormat& pixelFormat(const sensor_msgs::Image& message) {
-  const auto found = pixelFormats().find(message.encoding);
-  if (found != pixelFormats().end()) return found->second;
-  std::string known;
-  for (const auto& [name, format] : pixelFormats()) known += (known.empty() ? "" : ", ") + name;
-  throw Invalid("unknown image encoding \"" + message.encoding + "\"; known are " + known);
-}
-
-/// 16-bit numbers of a message with the other byte order, as a copy.
+/// 16-bit numbers of a message with the other byte order, as a copy. cv_bridge 1.16 makes pairs of bytes of them.
 cv::Mat swapBytes(const cv::Mat& image) {
-  cv::Mat result = image.clone();
-  for (int row = 0; row < result.rows; ++row) {
-    std::uint16_t* values = result.ptr<std::uint16_t>(row);
-    const int count = result.cols * result.channels();
-    for (int i = 0; i < count; ++i) values[i] = static_cast<std::uint16_t>(values[i] << 8U | values[i] >> 8U);
-  }
+  cv::Mat result(image.size(), image.type());
+  const cv::Size size(image.cols * image.channels(), image.rows);
+  const std::vector<cv::Mat> from = {cv::Mat(size, CV_8UC2, image.data, image.step)};
+  std::vector<cv::Mat> to = {cv::Mat(size, CV_8UC2, result.data, result.step)};
+  cv::mixChannels(from, to, {0, 1, 1, 0});
   return result;
 }
 
@@ -188,35 +202,41 @@ EncodedInfo inspectCompressed(const sensor_msgs::CompressedImage& message) {
 }
 
 void checkImage(const sensor_msgs::Image& message) {
-  const PixelFormat& format = pixelFormat(message);
-  require<Invalid>(message.width > 0 && message.height > 0, "the image has the size ", message.width, " x ",
-                   message.height);
-  const std::uint64_t row = std::uint64_t{message.width} * CV_ELEM_SIZE(format.type);
+  const Layout layout = layoutOf(message);
+  require<Invalid>(message.width > 0 && message.height > 0 && message.width % layout.width_unit == 0 &&
+                       message.height % layout.height_unit == 0,
+                   "the image has the size ", message.width, " x ", message.height, ", which ", message.encoding,
+                   " cannot have");
+  const std::uint64_t row = std::uint64_t{message.width} * CV_ELEM_SIZE(layout.type);
   require<Invalid>(message.step >= row, "image: step ", message.step, " is less than a row of ", row, " bytes (",
                    message.encoding, ", width ", message.width, ")");
-  const std::uint64_t need = std::uint64_t{message.step} * (message.height - 1) + row;
-  require<Invalid>(message.data.size() >= need, "image: data has ", message.data.size(), " bytes, but ", message.width,
-                   " x ", message.height, " ", message.encoding, " needs ", need);
+  // The last row needs no padding. Divided, because the product may not fit into 64 bits.
+  const std::uint64_t rows = message.height * layout.rows_a_pair / 2;
+  require<Invalid>(message.data.size() >= row && (message.data.size() - row) / message.step >= rows - 1 &&
+                       rows <= std::uint64_t{std::numeric_limits<int>::max()},
+                   "image: data has ", message.data.size(), " bytes, but ", message.width, " x ", message.height, " ",
+                   message.encoding, " needs ", rows, " rows of ", message.step);
 }
 
 cv::Mat imageFromMessage(const sensor_msgs::Image& message) {
   checkImage(message);
-  const PixelFormat& format = pixelFormat(message);
-  // The Mat is only read from; OpenCV has no constructor for constant data.
-  cv::Mat image(static_cast<int>(message.height), static_cast<int>(message.width), format.type,
+  const Layout layout = layoutOf(message);
+  // The Mat is only read from; OpenCV has no constructor for constant data. It is made here because cv_bridge's own
+  // conversion refuses rows that follow the image and a last row without padding.
+  cv::Mat image(static_cast<int>(message.height * layout.rows_a_pair / 2), static_cast<int>(message.width), layout.type,
                 const_cast<std::uint8_t*>(message.data.data()), message.step);  // NOLINT
   if (image.depth() == CV_16U && message.is_bigendian != 0) image = swapBytes(image);
-  if (format.code >= 0) {
-    cv::Mat converted;
-    cv::cvtColor(image, converted, format.code);
-    image = converted;
+  const std::string encoding = namedEncoding(message.encoding);
+  if (enc::isMono(encoding) || encoding == enc::BGR8) return image;
+  try {
+    if (layout.to_bgr != nullptr) return layout.to_bgr(image);
+    return cv_bridge::cvtColor(boost::make_shared<cv_bridge::CvImage>(message.header, encoding, image), enc::BGR8)
+        ->image;
+  } catch (const cv_bridge::Exception& error) {
+    throw Invalid(std::string("image: ") + error.what());
+  } catch (const cv::Exception& error) {
+    throw Invalid("image: " + error.err);
   }
-  if (image.type() == CV_16UC3) {
-    cv::Mat bytes;
-    image.convertTo(bytes, CV_8U, 1.0 / 257);
-    image = bytes;
-  }
-  return image;
 }
 
 EncodedImage encodeImage(const cv::Mat& image, const std::string& format) {

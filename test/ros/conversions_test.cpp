@@ -245,6 +245,23 @@ TEST(InspectCompressed, PaddedJpegIsWhole) {
   EXPECT_EQ(inspectCompressed(message).size, cv::Size(50, 30));
 }
 
+/// Y, U and V of a colour (BT.601, limited range).
+struct Yuv {
+  Yuv(int r, int g, int b)
+      : y(byte(16.5 + 0.257 * r + 0.504 * g + 0.098 * b)),
+        u(byte(128.5 - 0.148 * r - 0.291 * g + 0.439 * b)),
+        v(byte(128.5 + 0.439 * r - 0.368 * g - 0.071 * b)) {}
+  static std::uint8_t byte(double value) { return static_cast<std::uint8_t>(value); }
+  std::uint8_t y, u, v;
+};
+
+void expectColor(const sensor_msgs::Image& message, const cv::Point& at, const cv::Vec3i& bgr, int tolerance) {
+  const cv::Mat image = imageFromMessage(message);
+  ASSERT_EQ(image.type(), CV_8UC3) << message.encoding;
+  ASSERT_EQ(image.size(), cv::Size(static_cast<int>(message.width), static_cast<int>(message.height)));
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(image.at<cv::Vec3b>(at)[i], bgr[i], tolerance) << message.encoding << at;
+}
+
 /// A picture of one colour, written in each encoding by hand, comes back as that colour.
 struct Encoding {
   const char* name;
@@ -255,10 +272,7 @@ struct Encoding {
 TEST(ImageFromMessage, EveryEncodingGivesTheSameColour) {
   const int r = 200, g = 100, b = 50;
   const auto u8 = [](int v) { return static_cast<std::uint8_t>(v); };
-  // BT.601 limited range
-  const int y = static_cast<int>(16.5 + 0.257 * r + 0.504 * g + 0.098 * b);
-  const int u = static_cast<int>(128.5 - 0.148 * r - 0.291 * g + 0.439 * b);
-  const int v = static_cast<int>(128.5 + 0.439 * r - 0.368 * g - 0.071 * b);
+  const auto [y, u, v] = Yuv(r, g, b);
   const std::vector<Encoding> encodings = {
       {"rgb8", {u8(r), u8(g), u8(b), u8(r), u8(g), u8(b)}, 0},
       {"bgr8", {u8(b), u8(g), u8(r), u8(b), u8(g), u8(r)}, 0},
@@ -266,16 +280,49 @@ TEST(ImageFromMessage, EveryEncodingGivesTheSameColour) {
       {"bgra8", {u8(b), u8(g), u8(r), 7, u8(b), u8(g), u8(r), 7}, 0},
       {"rgb16", {1, u8(r), 1, u8(g), 1, u8(b), 1, u8(r), 1, u8(g), 1, u8(b)}, 1},
       {"bgr16", {1, u8(b), 1, u8(g), 1, u8(r), 1, u8(b), 1, u8(g), 1, u8(r)}, 1},
-      {"yuv422", {u8(u), u8(y), u8(v), u8(y)}, 3},
-      {"yuv422_yuy2", {u8(y), u8(u), u8(y), u8(v)}, 3},
+      {"rgba16", {1, u8(r), 1, u8(g), 1, u8(b), 7, 7, 1, u8(r), 1, u8(g), 1, u8(b), 7, 7}, 1},
+      {"8UC3", {u8(b), u8(g), u8(r), u8(b), u8(g), u8(r)}, 0},
+      {"8UC4", {u8(b), u8(g), u8(r), 7, u8(b), u8(g), u8(r), 7}, 0},
+      {"16UC3", {1, u8(b), 1, u8(g), 1, u8(r), 1, u8(b), 1, u8(g), 1, u8(r)}, 1},
+      {"yuv422", {u, y, v, y}, 3},
+      {"uyvy", {u, y, v, y}, 3},
+      {"yuv422_yuy2", {y, u, y, v}, 3},
+      {"yuyv", {y, u, y, v}, 3},
   };
   for (const Encoding& encoding : encodings) {
-    const cv::Mat image = imageFromMessage(imageMessage(encoding.name, 8, 6, encoding.pixel_pair));
-    ASSERT_EQ(image.type(), CV_8UC3) << encoding.name;
-    const cv::Vec3b color = image.at<cv::Vec3b>(3, 4);
-    EXPECT_NEAR(color[0], b, encoding.tolerance) << encoding.name;
-    EXPECT_NEAR(color[1], g, encoding.tolerance) << encoding.name;
-    EXPECT_NEAR(color[2], r, encoding.tolerance) << encoding.name;
+    expectColor(imageMessage(encoding.name, 8, 6, encoding.pixel_pair), {4, 3}, {b, g, r}, encoding.tolerance);
+  }
+}
+
+/// The left half has one colour and the right half another, in planes whose rows have padding.
+TEST(ImageFromMessage, PlanesFollowOneAnother) {
+  const Yuv left(200, 100, 50), right(30, 60, 220);
+  const std::uint32_t width = 8, height = 4, step = 11;
+  const auto plane = [&](sensor_msgs::Image& message, std::uint32_t rows, std::uint32_t row_step,
+                         const std::vector<std::uint8_t>& l, const std::vector<std::uint8_t>& r, std::uint32_t count) {
+    for (std::uint32_t row = 0; row < rows; ++row) {
+      for (std::uint32_t i = 0; i < count; ++i) {
+        const auto& values = i < count / 2 ? l : r;
+        message.data.insert(message.data.end(), values.begin(), values.end());
+      }
+      message.data.resize(message.data.size() + row_step - count * l.size(), 99);
+    }
+  };
+  for (const std::string encoding : {"nv12", "nv21", "nv24"}) {
+    sensor_msgs::Image message = imageMessage(encoding, 0, 0, {});
+    message.width = width;
+    message.height = height;
+    message.step = step;
+    plane(message, height, step, {left.y}, {right.y}, width);
+    const bool v_first = encoding == "nv21", whole = encoding == "nv24";
+    plane(message, whole ? height : height / 2, whole ? 2 * step : step,
+          v_first ? std::vector<std::uint8_t>{left.v, left.u} : std::vector<std::uint8_t>{left.u, left.v},
+          v_first ? std::vector<std::uint8_t>{right.v, right.u} : std::vector<std::uint8_t>{right.u, right.v},
+          whole ? width : width / 2);
+    expectColor(message, {1, 1}, {50, 100, 200}, 3);
+    expectColor(message, {6, 3}, {220, 60, 30}, 3);
+    message.data.resize(message.data.size() - step);
+    EXPECT_REFUSED(imageFromMessage(message), "data has");
   }
 }
 
@@ -315,6 +362,17 @@ TEST(ImageFromMessage, RowPaddingIsSkipped) {
   message.step = 3;
   message.data = {1, 2, 99, 3, 4};  // the last row needs no padding
   EXPECT_EQ(imageFromMessage(message).at<std::uint8_t>(1, 0), 3);
+  message.data.resize(100);  // what follows the image does not matter
+  EXPECT_EQ(imageFromMessage(message).at<std::uint8_t>(1, 0), 3);
+}
+
+TEST(ImageFromMessage, ColoursOfSixteenBitsInEitherByteOrder) {
+  for (const bool big : {false, true}) {
+    sensor_msgs::Image message = imageMessage("rgb16", 2, 2, {200, 100, 100, 50, 50, 25, 200, 100, 100, 50, 50, 25});
+    message.is_bigendian = big;  // the high bytes are 200, 100, 50, or half of it
+    const int share = big ? 1 : 2;
+    expectColor(message, {1, 1}, {50 / share, 100 / share, 200 / share}, 1);
+  }
 }
 
 TEST(ImageFromMessage, WhatDoesNotFitIsRefused) {
@@ -331,6 +389,16 @@ TEST(ImageFromMessage, WhatDoesNotFitIsRefused) {
   message = good;
   message.width = 0;
   EXPECT_REFUSED(checkImage(message), "0 x 2");
+  message.width = message.height = message.step = std::numeric_limits<std::uint32_t>::max();
+  message.encoding = "8UC1";
+  EXPECT_REFUSED(checkImage(message), "data has");
+  message.encoding = "nv24";  // the product of its rows and their length does not fit into 64 bits
+  EXPECT_REFUSED(checkImage(message), "data has");
+  for (const char* encoding : {"32FC1", "16SC1", "8UC2", "8UC999999999", "8UC0", ""}) {
+    message.encoding = encoding;
+    EXPECT_REFUSED(imageFromMessage(message), "unknown image encoding");
+  }
+  EXPECT_REFUSED(imageFromMessage(imageMessage("yuv422", 3, 2, {1, 2, 3, 4})), "yuv422 cannot have");
 }
 
 TEST(EncodeImage, IsLossless) {

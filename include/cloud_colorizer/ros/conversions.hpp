@@ -50,8 +50,9 @@ EncodedInfo inspectCompressed(const sensor_msgs::CompressedImage& message);
 /// Throws when the encoding is unknown or the data is shorter than height * step. Costs nothing.
 void checkImage(const sensor_msgs::Image& message);
 
-/// CV_8UC1, CV_16UC1 or CV_8UC3 (BGR). May share the message's data. mono8, mono16, rgb8, bgr8, rgba8, bgra8, rgb16,
-/// bgr16, yuv422, yuv422_yuy2, bayer_*8, bayer_*16, 8UC1, 8UC3, 16UC1.
+/// CV_8UC1, CV_16UC1 or CV_8UC3 (BGR). May share the message's data. The colours that cv_bridge knows (mono, rgb, rgba,
+/// bgr, bgra, bayer_* of 8 or 16 bits, yuv422), 8UC1, 8UC3, 8UC4, 16UC1, 16UC3, 16UC4 in OpenCV's order, and what newer
+/// drivers send: uyvy, yuv422_yuy2 (yuyv), nv12, nv21, nv24 (planes one after another, each row of `step` bytes).
 cv::Mat imageFromMessage(const sensor_msgs::Image& message);
 
 /// `format`: ppm (stored as it is; grey becomes pgm), png (compressed as fast as possible), both without loss; or jpg
