@@ -5,6 +5,7 @@
 
 #include <tf2/buffer_core.h>
 #include <tf2/exceptions.h>
+#include <tf2_eigen/tf2_eigen.h>
 
 #include <algorithm>
 #include <chrono>
@@ -177,7 +178,11 @@ struct Collector::Impl {
   Isometry lookUp(const std::string& target, const std::string& source, ros::Time stamp) const {
     if (target == source) return Isometry::Identity();
     try {
-      return isometryFromMessage(buffer.lookupTransform(target, source, stamp).transform);
+      geometry_msgs::Transform transform = buffer.lookupTransform(target, source, stamp).transform;
+      Eigen::Quaterniond rotation;  // tf takes what is up to a percent off the unit length, and tf2_eigen as well
+      tf2::fromMsg(transform.rotation, rotation);
+      transform.rotation = tf2::toMsg(rotation.normalized());
+      return tf2::transformToEigen(transform);
     } catch (const tf2::ConnectivityException& error) {
       throw NotYet{{Outcome::kNoTransform, std::string(error.what()) + " Is ~map_frame (" + map_frame + ") right?"}};
     } catch (const tf2::TransformException& error) {

@@ -229,26 +229,4 @@ void appendToMessage(const Cloud& cloud, PointCloud2& message) {
   message.is_dense = true;
 }
 
-Eigen::Isometry3d isometryFromMessage(const geometry_msgs::Transform& message) {
-  const auto& t = message.translation;
-  const auto& r = message.rotation;
-  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
-  result.linear() = Eigen::Quaterniond(r.w, r.x, r.y, r.z).normalized().toRotationMatrix();
-  result.translation() = Eigen::Vector3d(t.x, t.y, t.z);
-  return result;
-}
-
-geometry_msgs::Pose poseToMessage(const Eigen::Isometry3d& pose) {
-  geometry_msgs::Pose message;
-  const Eigen::Quaterniond q(pose.linear());
-  message.position.x = pose.translation().x();
-  message.position.y = pose.translation().y();
-  message.position.z = pose.translation().z();
-  message.orientation.x = q.x();
-  message.orientation.y = q.y();
-  message.orientation.z = q.z();
-  message.orientation.w = q.w();
-  return message;
-}
-
 }  // namespace cloud_colorizer

@@ -130,15 +130,15 @@ cv::Mat bgrByOpenCv(const cv::Mat& image) {
 }
 
 /// How an encoding lies in memory.
-struct Layout {
+struct PixelLayout {
   int type = CV_8UC1;
   std::uint64_t rows_a_pair = 2;  ///< rows of memory for two rows of the image: planes follow one another
   std::uint32_t width_unit = 1, height_unit = 1;  ///< px that share a colour
   cv::Mat (*to_bgr)(const cv::Mat&) = nullptr;    ///< of what cv_bridge does not know
 };
 
-Layout layoutOf(const sensor_msgs::Image& message) {
-  static const std::map<std::string, Layout> newer = {
+PixelLayout pixelLayout(const sensor_msgs::Image& message) {
+  static const std::map<std::string, PixelLayout> newer = {
       {"yuv422_yuy2", {CV_8UC2, 2, 2, 1, bgrByOpenCv<cv::COLOR_YUV2BGR_YUY2>}},
       {"nv12", {CV_8UC1, 3, 2, 2, bgrByOpenCv<cv::COLOR_YUV2BGR_NV12>}},
       {"nv21", {CV_8UC1, 3, 2, 2, bgrByOpenCv<cv::COLOR_YUV2BGR_NV21>}},
@@ -202,7 +202,7 @@ EncodedInfo inspectCompressed(const sensor_msgs::CompressedImage& message) {
 }
 
 void checkImage(const sensor_msgs::Image& message) {
-  const Layout layout = layoutOf(message);
+  const PixelLayout layout = pixelLayout(message);
   require<Invalid>(message.width > 0 && message.height > 0 && message.width % layout.width_unit == 0 &&
                        message.height % layout.height_unit == 0,
                    "the image has the size ", message.width, " x ", message.height, ", which ", message.encoding,
@@ -220,7 +220,7 @@ void checkImage(const sensor_msgs::Image& message) {
 
 cv::Mat imageFromMessage(const sensor_msgs::Image& message) {
   checkImage(message);
-  const Layout layout = layoutOf(message);
+  const PixelLayout layout = pixelLayout(message);
   // The Mat is only read from; OpenCV has no constructor for constant data. It is made here because cv_bridge's own
   // conversion refuses rows that follow the image and a last row without padding.
   cv::Mat image(static_cast<int>(message.height * layout.rows_a_pair / 2), static_cast<int>(message.width), layout.type,

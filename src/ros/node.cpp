@@ -8,6 +8,7 @@
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <std_srvs/Trigger.h>
+#include <tf2_eigen/tf2_eigen.h>
 
 #include <algorithm>
 #include <atomic>
@@ -159,7 +160,7 @@ struct ColorizerNode::Impl {
       path.poses.emplace_back();
       path.poses.back().header.stamp.fromSec(view.stamp);
       path.poses.back().header.frame_id = params.node.collector.map_frame;
-      path.poses.back().pose = poseToMessage(view.map_from_camera);
+      path.poses.back().pose = tf2::toMsg(view.map_from_camera);
       if (path.poses.size() > kMaxPathPoses)
         path.poses.erase(path.poses.begin(), path.poses.begin() + kMaxPathPoses / 10);
     };

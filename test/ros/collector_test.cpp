@@ -136,6 +136,20 @@ TEST_F(CollectorTest, StampsOfTodayAreExact) {
   }
 }
 
+/// tf takes rotations that are a little off the unit length; as they are, they would stretch the cloud.
+TEST_F(CollectorTest, RotationsOfATransformAreNormalised) {
+  auto transform = transformMessage("map", "base", 10, 0);
+  transform.transforms[0].transform.rotation.w = 0.6 * 1.004;
+  transform.transforms[0].transform.rotation.z = 0.8 * 1.004;
+  collector().addTransforms(transform, false);
+  addCloud(10, "base");
+  const Recording recording = finished();
+  ASSERT_EQ(recording.numPoints(), 1U);
+  // (1, 2, 3) turned about z by 2 atan(4/3): cos = -0.28, sin = 0.96.
+  const Eigen::Vector3f expected(-0.28F - 2 * 0.96F, 0.96F - 2 * 0.28F, 3);
+  EXPECT_LT((recording.readPoints(0).col(0) - expected).norm(), 1e-5F);
+}
+
 TEST_F(CollectorTest, LateTransformIsWaitedFor) {
   drive(10, 10.2);
   addCloud(10.35);

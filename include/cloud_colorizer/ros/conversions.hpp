@@ -5,14 +5,11 @@
 /// reason; nothing is guessed.
 #pragma once
 
-#include <geometry_msgs/Pose.h>
-#include <geometry_msgs/Transform.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/PointCloud2.h>
 
-#include <Eigen/Geometry>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <string>
@@ -62,8 +59,5 @@ struct EncodedImage {
   std::string extension;
 };
 EncodedImage encodeImage(const cv::Mat& image, const std::string& format);
-
-Eigen::Isometry3d isometryFromMessage(const geometry_msgs::Transform& message);
-geometry_msgs::Pose poseToMessage(const Eigen::Isometry3d& pose);
 
 }  // namespace cloud_colorizer
