@@ -8,7 +8,7 @@
 #include "apps/color_and_save.hpp"
 #include "apps/recording_folder.hpp"
 #include "cloud_colorizer/base/check.hpp"
-#include "cloud_colorizer/recording/recording.hpp"
+#include "cloud_colorizer/recording/recorder.hpp"
 #include "cloud_colorizer/ros/bag_source.hpp"
 #include "cloud_colorizer/ros/params.hpp"
 

@@ -16,6 +16,7 @@
 #include "evaluation/refine_pose.hpp"
 #include "evaluation/score.hpp"
 #include "evaluation/trajectory.hpp"
+#include "recording/scan_times.hpp"
 
 namespace cloud_colorizer {
 namespace {

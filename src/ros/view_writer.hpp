@@ -10,7 +10,7 @@
 #include <future>
 #include <string>
 
-#include "cloud_colorizer/recording/recording.hpp"
+#include "cloud_colorizer/recording/recorder.hpp"
 #include "cloud_colorizer/ros/collector.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
 #include "ros/encoder_pool.hpp"

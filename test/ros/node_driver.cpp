@@ -20,7 +20,7 @@
 #include <sstream>
 
 #include "cloud_colorizer/cloud/cloud_io.hpp"
-#include "cloud_colorizer/recording/recording.hpp"
+#include "cloud_colorizer/recording/recorder.hpp"
 #include "cloud_colorizer/ros/bag_source.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
 #include "cloud_colorizer/ros/params.hpp"

@@ -41,4 +41,11 @@ struct Exposure {
   }
 };
 
+/// Pose and exposure that a view is used with: those of the recording, or what the alignment found.
+struct CorrectedView {
+  Eigen::Isometry3d map_from_camera = Eigen::Isometry3d::Identity();
+  Exposure exposure;
+  float weight = 1;  ///< 0 to 1, of its observations
+};
+
 }  // namespace cloud_colorizer

@@ -16,7 +16,7 @@
 #include "cloud_colorizer/color/system.hpp"
 #include "cloud_colorizer/color/tone.hpp"
 #include "cloud_colorizer/map/chunks.hpp"
-#include "cloud_colorizer/recording/recording.hpp"
+#include "cloud_colorizer/recording/recorder.hpp"
 #include "cloud_colorizer/surface/surfels.hpp"
 #include "cloud_colorizer/visibility/depth_image.hpp"
 #include "cloud_colorizer/visibility/observe.hpp"

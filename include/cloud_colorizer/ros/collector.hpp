@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "cloud_colorizer/base/types.hpp"
-#include "cloud_colorizer/recording/recording.hpp"
+#include "cloud_colorizer/recording/recorder.hpp"
 
 namespace cloud_colorizer {
 

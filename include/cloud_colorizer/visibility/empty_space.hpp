@@ -9,17 +9,9 @@
 #include <cstddef>
 #include <memory>
 #include <opencv2/core.hpp>
-#include <string>
 #include <vector>
 
 namespace cloud_colorizer {
-
-/// One sweep of a range sensor, kept as a panorama of ranges.
-struct Scan {
-  double stamp = 0;                                                   ///< s
-  Eigen::Isometry3d map_from_sensor = Eigen::Isometry3d::Identity();  ///< relative to the recording's origin
-  std::string image;                                                  ///< file, relative to the recording
-};
 
 /// The nearest range in every direction: 16 bit, 256 steps a metre, 0 where nothing was measured. Columns: azimuth
 /// about z, from -180 to 180 deg; rows: sine of the elevation, from 1 to -1; so all cells span the same solid angle.
@@ -30,17 +22,6 @@ cv::Mat1w makeRangePanorama(const Eigen::Matrix3Xd& positions, double resolution
 /// The range up to which a scan tells that space was empty, in the same cells: that of the nearest return in a cell and
 /// those beside it, less a margin for noise. 0 where the cell has no return: nothing is known there.
 cv::Mat1w emptyRanges(const cv::Mat1w& panorama);
-
-/// The scans nearest in time to a moment.
-class ScanTimes {
- public:
-  explicit ScanTimes(const std::vector<Scan>& scans);
-  /// Indices of the last one before and the first one after, if they are near enough in time.
-  std::vector<std::size_t> around(double stamp) const;
-
- private:
-  std::vector<std::pair<double, std::size_t>> times_;  ///< ascending
-};
 
 /// Which space in front of a camera was empty.
 class EmptySpace {

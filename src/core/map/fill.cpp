@@ -33,13 +33,13 @@ void append(Colored& all, const Points& points, const TileColors& colors, const 
 Colored coloredAround(const Workspace& work, std::size_t tile, const Points& points, const TileColors& colors) {
   const auto distance = static_cast<float>(work.params().colorize.fill_distance);
   const Eigen::Vector3f margin = Eigen::Vector3f::Constant(distance);
-  Eigen::AlignedBox3f box = tileBox(work.recording(), tile);
+  Eigen::AlignedBox3f box = work.recording().tileBox(tile);
   box = {box.min() - margin, box.max() + margin};
   Colored around{Points(3, 0), Values(3, 0)};
   for (std::size_t other = 0; other < work.recording().tiles().size(); ++other) {
     if (other == tile) {
       append(around, points, colors, box);
-    } else if (tileBox(work.recording(), other).intersects(box)) {
+    } else if (work.recording().tileBox(other).intersects(box)) {
       append(around, work.recording().readPoints(other), work.readColors(other), box);
     }
   }

@@ -12,13 +12,6 @@
 
 namespace cloud_colorizer {
 
-/// Pose and exposure that a view is used with: those of the recording, or what the alignment found.
-struct CorrectedView {
-  Eigen::Isometry3d map_from_camera = Eigen::Isometry3d::Identity();
-  Exposure exposure;
-  float weight = 1;  ///< of its observations
-};
-
 std::string surfelsKey(const Recording& recording, const Params& params);
 std::string alignmentKey(const Recording& recording, const Params& params);
 std::string depthKey(const Recording& recording, const Params& params);

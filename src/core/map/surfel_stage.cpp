@@ -16,7 +16,7 @@ void clearPath(const Recording& recording, std::size_t tile, double clear_radius
   std::vector<Eigen::Vector3f> places;
   for (const View& view : recording.views()) {
     const Eigen::Vector3f place = view.map_from_camera.translation().cast<float>();
-    if (tileBox(recording, tile).exteriorDistance(place) < radius) places.push_back(place);
+    if (recording.tileBox(tile).exteriorDistance(place) < radius) places.push_back(place);
   }
   for (Eigen::Index i = 0; i < points.cols() && !places.empty(); ++i) {
     const auto isNear = [&](const Eigen::Vector3f& p) { return (p - points.col(i)).squaredNorm() < radius * radius; };
@@ -46,7 +46,7 @@ DepthImage renderDepth(Workspace& work, std::size_t view, const Eigen::Isometry3
   DepthSplatter splatter(work.cameraOf(view), map_from_camera.inverse().cast<float>(), work.params().depth,
                          work.emptySpace(view, map_from_camera));
   for (std::size_t tile = 0; tile < recording.tiles().size(); ++tile) {
-    if (!work.mayObserve(view, tileBox(recording, tile))) continue;
+    if (!work.mayObserve(view, recording.tileBox(tile))) continue;
     const auto surface = work.surface(tile);
     splatter.add(surface->points, surface->surfels);
   }

@@ -36,7 +36,7 @@ ToneCells sampleTile(Workspace& work, std::size_t tile, const std::vector<double
   const auto whole = work.surface(tile);
   const double share = kSamplesPerTile / static_cast<double>(whole->size());
   const Surface sample = gatherSurface(*whole, hashedSample(whole->points, share));
-  const std::vector<std::size_t> views = work.viewsOf(tileBox(work.recording(), tile));
+  const std::vector<std::size_t> views = work.viewsOf(work.recording().tileBox(tile));
   const auto viewAt = [&](std::size_t k) { return work.observedView(views[k]); };
   const Observations seen =
       observe(sample.points, sample.surfels, views.size(), viewAt, work.params().depth, work.params().observe)

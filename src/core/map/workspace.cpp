@@ -99,13 +99,6 @@ double coneAngle(const Camera& camera) {
 
 }  // namespace
 
-Eigen::AlignedBox3f tileBox(const Recording& recording, std::size_t tile) {
-  const TileIndex& index = recording.tiles()[tile].index;
-  const Eigen::Vector3d low = Eigen::Vector3d(index[0], index[1], index[2]) * recording.tileSize();
-  const Eigen::Vector3d high = low + Eigen::Vector3d::Constant(recording.tileSize());
-  return {low.cast<float>(), high.cast<float>()};
-}
-
 Workspace::Workspace(const Recording& recording, const Params& params)
     : recording_(recording),
       params_(params),

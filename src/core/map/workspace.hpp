@@ -17,6 +17,7 @@
 #include "cloud_colorizer/visibility/observe.hpp"
 #include "map/fingerprint.hpp"
 #include "map/lru_cache.hpp"
+#include "recording/scan_times.hpp"
 #include "surface/surface.hpp"
 
 namespace cloud_colorizer {
@@ -28,9 +29,6 @@ struct TileColors {
   std::vector<float> stddev;         ///< over the views
   std::vector<Unseen> unseen;        ///< why no view coloured the point
 };
-
-/// The cube of a tile, in metres relative to the origin.
-Eigen::AlignedBox3f tileBox(const Recording& recording, std::size_t tile);
 
 /// One program at a time colours a recording (exclusive); several may read its colours. Throws where another one is.
 class FolderLock {

@@ -1,5 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_colorizer/recording/recorder.hpp"
+#include "cloud_colorizer/visibility/empty_space.hpp"
+
 #include <fcntl.h>
 #include <sys/file.h>
 
@@ -18,7 +21,6 @@
 
 #include "base/file_io.hpp"
 #include "cloud_colorizer/base/check.hpp"
-#include "cloud_colorizer/recording/recording.hpp"
 #include "recording/recording_files.hpp"
 #include "recording/tile_grid.hpp"
 #include "recording/tile_writer.hpp"

@@ -97,6 +97,12 @@ const std::vector<Scan>& Recording::scans() const {
 const std::vector<Tile>& Recording::tiles() const {
   return state_->tiles;
 }
+Eigen::AlignedBox3f Recording::tileBox(std::size_t tile) const {
+  const TileIndex& index = state_->tiles[tile].index;
+  const Eigen::Vector3d low = Eigen::Vector3d(index[0], index[1], index[2]) * tileSize();
+  const Eigen::Vector3d high = low + Eigen::Vector3d::Constant(tileSize());
+  return {low.cast<float>(), high.cast<float>()};
+}
 std::size_t Recording::numPoints() const {
   return state_->num_points;
 }
@@ -136,17 +142,6 @@ cv::Mat1w Recording::readScan(std::size_t scan) const {
   require(panorama.type() == CV_16UC1 && !panorama.empty(), "scan ", path,
           " is damaged: it is no image of 16 bit ranges; delete scans.csv to colour without scans");
   return panorama;
-}
-
-std::shared_ptr<const EmptySpace> emptySpaceAt(
-    const Recording& recording, const ScanTimes& times, double stamp, const Eigen::Isometry3d& map_from_camera,
-    const std::function<std::shared_ptr<const cv::Mat1w>(std::size_t)>& ranges) {
-  EmptySpace space;
-  for (const std::size_t scan : times.around(stamp)) {
-    const Eigen::Isometry3d sensor_from_camera = recording.scans()[scan].map_from_sensor.inverse() * map_from_camera;
-    space.add(ranges(scan), sensor_from_camera.cast<float>());
-  }
-  return space.knowsNothing() ? nullptr : std::make_shared<const EmptySpace>(std::move(space));
 }
 
 }  // namespace cloud_colorizer

@@ -15,7 +15,6 @@ namespace {
 constexpr double kStepsPerMetre = 256;
 constexpr int kFarthest = std::numeric_limits<std::uint16_t>::max();
 constexpr double kMargin = 0.3, kMarginShare = 0.05;  // m, and share of the range: what noise and slant may hide
-constexpr double kMaxAge = 0.25;                      // s; a scan tells nothing of moments farther from it
 
 /// atan2 / (2 pi) to 2e-5: a cell is seventy times as wide, and this is called for every point in every view.
 float turnOf(float y, float x) {
@@ -69,20 +68,6 @@ cv::Mat1w emptyRanges(const cv::Mat1w& panorama) {
     }
   }
   return ranges;
-}
-
-ScanTimes::ScanTimes(const std::vector<Scan>& scans) {
-  for (std::size_t i = 0; i < scans.size(); ++i) times_.emplace_back(scans[i].stamp, i);
-  std::sort(times_.begin(), times_.end());
-}
-
-std::vector<std::size_t> ScanTimes::around(double stamp) const {
-  const auto after = std::lower_bound(times_.begin(), times_.end(), std::make_pair(stamp, std::size_t{0}));
-  std::vector<std::size_t> indices;
-  if (after != times_.begin() && stamp - std::prev(after)->first <= kMaxAge)
-    indices.push_back(std::prev(after)->second);
-  if (after != times_.end() && after->first - stamp <= kMaxAge) indices.push_back(after->second);
-  return indices;
 }
 
 void EmptySpace::add(std::shared_ptr<const cv::Mat1w> ranges, const Eigen::Isometry3f& sensor_from_camera) {

@@ -5,7 +5,8 @@
 #include <cmath>
 
 #include "base/file_io.hpp"
-#include "cloud_colorizer/recording/recording.hpp"
+#include "cloud_colorizer/recording/recorder.hpp"
+#include "cloud_colorizer/visibility/empty_space.hpp"
 #include "core/scratch.hpp"
 
 namespace cloud_colorizer {

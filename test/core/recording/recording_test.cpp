@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cloud_colorizer/recording/recording.hpp"
-
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -15,6 +13,7 @@
 #include <random>
 #include <set>
 
+#include "cloud_colorizer/recording/recorder.hpp"
 #include "core/scratch.hpp"
 
 namespace cloud_colorizer {

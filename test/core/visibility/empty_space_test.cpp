@@ -100,21 +100,6 @@ TEST(EmptySpace, AScanThatSawSomethingThereObjects) {
   EXPECT_TRUE(space.contains({0, 5.2F, 0}));
 }
 
-TEST(ScanTimes, AreTheNearestOnEitherSide) {
-  std::vector<Scan> scans(4);
-  scans[0].stamp = 10.2;
-  scans[1].stamp = 10;
-  scans[2].stamp = 10.1;
-  scans[3].stamp = 12;
-  const ScanTimes times(scans);
-  EXPECT_EQ(times.around(10.14), (std::vector<std::size_t>{2, 0}));
-  EXPECT_EQ(times.around(10.1), (std::vector<std::size_t>{1, 2}));
-  EXPECT_EQ(times.around(9.9), (std::vector<std::size_t>{1}));
-  EXPECT_EQ(times.around(11.9), (std::vector<std::size_t>{3}));
-  EXPECT_TRUE(times.around(11).empty());
-  EXPECT_TRUE(ScanTimes({}).around(0).empty());
-}
-
 TEST(EmptySpace, WhatWasNotThereNeitherHidesNorIsSeen) {
   const Camera camera({100, 80, 100, 100, 49.5, 39.5, DistortionModel::kPlumbBob, {}});
   // The camera looks along the sensor's x; the map has a ghost at 3 m where the scan saw the wall at 10 m.
