@@ -4,6 +4,7 @@
 #include "ros/node.hpp"
 
 #include <cloud_colorizer/SaveMap.h>
+#include <image_transport/image_transport.h>
 #include <nav_msgs/Path.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
@@ -77,26 +78,33 @@ struct ColorizerNode::Impl {
   // ---- messages in ----
 
   template <class Message>
-  void subscribeTo(const std::string& topic, bool is_data,
-                   const std::function<void(Collector&, const boost::shared_ptr<const Message>&)>& add) {
-    const std::string name = node.resolveName(topic);
+  using Add = std::function<void(Collector&, const boost::shared_ptr<const Message>&)>;
+
+  /// What is called with each message of the topic `name`: puts it into the inbox.
+  template <class Message>
+  boost::function<void(const boost::shared_ptr<const Message>&)> receiver(const std::string& name, bool is_data,
+                                                                          const Add<Message>& add) {
     if (is_data) monitor.watch(name);
-    const boost::function<void(const boost::shared_ptr<const Message>&)> callback =
-        [this, add, is_data, name](const boost::shared_ptr<const Message>& message) {
-          if (is_data) monitor.count(name);
-          if (is_data && paused) return;
-          // Transforms are small and must not get lost.
-          const std::size_t limit = is_data ? static_cast<std::size_t>(params.node.queue_size) : kMaxTransforms;
-          if (inbox.push(name, limit, [add, message](Collector& to) { add(to, message); })) return;
-          monitor.countDropped(name);
-          ROS_WARN_STREAM_THROTTLE_NAMED(10, "dropped",
-                                         "recording is too slow: messages of "
-                                             << name << " are dropped; compress images, use a larger "
-                                             << "~voxel_size, or raise ~queue_size (see /diagnostics)");
-        };
+    return [this, add, is_data, name](const boost::shared_ptr<const Message>& message) {
+      if (is_data) monitor.count(name);
+      if (is_data && paused) return;
+      // Transforms are small and must not get lost.
+      const std::size_t limit = is_data ? static_cast<std::size_t>(params.node.queue_size) : kMaxTransforms;
+      if (inbox.push(name, limit, [add, message](Collector& to) { add(to, message); })) return;
+      monitor.countDropped(name);
+      ROS_WARN_STREAM_THROTTLE_NAMED(10, "dropped",
+                                     "recording is too slow: messages of "
+                                         << name << " are dropped; compress images, use a larger "
+                                         << "~voxel_size, or raise ~queue_size (see /diagnostics)");
+    };
+  }
+
+  template <class Message>
+  void subscribeTo(const std::string& topic, bool is_data, const Add<Message>& add) {
     const std::uint32_t queue_size = is_data ? static_cast<std::uint32_t>(params.node.queue_size) : 1000;
-    subscribers.push_back(sensor_node.subscribe<Message>(topic, queue_size, callback, ros::VoidConstPtr(),
-                                                         ros::TransportHints().tcpNoDelay()));
+    subscribers.push_back(sensor_node.subscribe<Message>(topic, queue_size,
+                                                         receiver<Message>(node.resolveName(topic), is_data, add),
+                                                         ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
   }
 
   void subscribe() {
@@ -110,16 +118,32 @@ struct ColorizerNode::Impl {
       const std::string camera = "camera_" + std::to_string(i);
       subscribeTo<sensor_msgs::CameraInfo>(camera + "/camera_info", true,
                                            [i](Collector& to, const auto& message) { to.addCameraInfo(i, message); });
-      // As image_transport does, so that remapping camera_i/image is enough for either kind.
-      const std::string image = node.resolveName(camera + "/image");
       const std::string& own = params.node.camera_transports[i];
-      if ((own.empty() ? params.node.image_transport : own) == "compressed") {
-        subscribeTo<sensor_msgs::CompressedImage>(image + "/compressed", true,
-                                                  [i](Collector& to, const auto& message) { to.addImage(i, message); });
-      } else {
-        subscribeTo<sensor_msgs::Image>(image, true,
-                                        [i](Collector& to, const auto& message) { to.addImage(i, message); });
-      }
+      subscribeToImages(i, camera, own.empty() ? params.node.image_transport : own);
+    }
+  }
+
+  void subscribeToImages(std::size_t i, const std::string& camera, const std::string& transport) {
+    // As image_transport does, so that remapping camera_i/image is enough for any transport.
+    const std::string image = node.resolveName(camera + "/image");
+    const auto add = [i](Collector& to, const auto& message) { to.addImage(i, message); };
+    if (transport == "compressed") {  // not by its plugin: the bytes are kept as they come
+      subscribeTo<sensor_msgs::CompressedImage>(image + "/compressed", true, add);
+      return;
+    }
+    image_transport::ImageTransport images(sensor_node);
+    // A plugin has parameters of its own; and beside them one "image_transport", which nobody sets there, beats ours.
+    const image_transport::TransportHints hints(transport, ros::TransportHints().tcpNoDelay(),
+                                                ros::NodeHandle(private_node, "plugins/" + camera));
+    try {
+      image_subscribers.push_back(images.subscribe(
+          image, static_cast<std::uint32_t>(params.node.queue_size),
+          receiver<sensor_msgs::Image>(transport == "raw" ? image : image + "/" + transport, true, add), {}, hints));
+    } catch (const image_transport::TransportLoadException& error) {
+      std::string known = "compressed";
+      for (const std::string& name : images.getLoadableTransports()) known += ", " + name.substr(name.find('/') + 1);
+      throw std::runtime_error("parameter image_transport = \"" + transport + "\" of " + camera + ": there are " +
+                               known + "; install the plugin of that name for image_transport (" + error.what() + ")");
     }
   }
 
@@ -169,6 +193,7 @@ struct ColorizerNode::Impl {
 
   void stopRecording() {
     for (ros::Subscriber& subscriber : subscribers) subscriber.shutdown();
+    for (image_transport::Subscriber& subscriber : image_subscribers) subscriber.shutdown();
     sensor_spinner.stop();
     inbox.close();
     if (recording_thread.joinable()) recording_thread.join();
@@ -373,6 +398,7 @@ struct ColorizerNode::Impl {
   std::atomic<std::size_t> amount_when_colored{0};  ///< points and views
   std::thread recording_thread;
   std::vector<ros::Subscriber> subscribers;
+  std::vector<image_transport::Subscriber> image_subscribers;
   std::vector<ros::ServiceServer> services;
   std::vector<ros::WallTimer> timers;
   ros::AsyncSpinner service_spinner, sensor_spinner;

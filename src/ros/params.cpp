@@ -8,6 +8,7 @@
 #include <ros/this_node.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <iomanip>
 #include <limits>
@@ -21,7 +22,9 @@ namespace {
 constexpr int kMaxCameras = 64;
 
 /// Read by other libraries from our private names.
-const char* const kForeignNames[] = {"diagnostic_period"};
+bool isForeign(const std::string& name) {
+  return name == "diagnostic_period" || name.rfind("plugins/", 0) == 0;
+}
 
 template <class T>
 T numberFromText(const std::string& name, const std::string& text) {
@@ -92,21 +95,22 @@ void flattenInto(const std::string& name, XmlRpc::XmlRpcValue value, std::map<st
   }
 }
 
-void checkAllowed(const char* name, const std::string& value, const std::vector<std::string>& allowed) {
-  std::string list;
-  for (const std::string& word : allowed) list += (list.empty() ? "" : ", ") + word;
-  require<std::invalid_argument>(std::find(allowed.begin(), allowed.end(), value) != allowed.end(), "parameter ", name,
-                                 " = \"", value, "\" must be one of: ", list);
+/// Whether there is a plugin of that name is seen when the node subscribes.
+void checkTransport(const std::string& name, const std::string& value) {
+  const auto is_letter = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
+  require<std::invalid_argument>(!value.empty() && std::all_of(value.begin(), value.end(), is_letter), "parameter ",
+                                 name, " = \"", value,
+                                 "\" must be raw, compressed or the name of another image transport");
 }
 
 }  // namespace
 
 void NodeParams::check() const {
   collector.check();
-  checkAllowed("image_transport", image_transport, {"raw", "compressed"});
+  checkTransport("image_transport", image_transport);
   for (std::size_t i = 0; i < camera_transports.size(); ++i) {
-    const std::string name = "camera_" + std::to_string(i) + "/image_transport";
-    checkAllowed(name.c_str(), camera_transports[i], {"", "raw", "compressed"});
+    if (!camera_transports[i].empty())
+      checkTransport("camera_" + std::to_string(i) + "/image_transport", camera_transports[i]);
   }
   requireInRange("colorize_after", colorize_after, 0.0, 1e9);
   requireInRange("queue_size", queue_size, 1, 100000);
@@ -136,7 +140,7 @@ std::vector<ParamText> describeCollectorParams(const CollectorParams& params) {
 AllParams paramsFromText(const std::map<std::string, std::string>& texts) {
   AllParams params;
   std::map<std::string, std::string> rest = texts;
-  for (const char* name : kForeignNames) rest.erase(name);
+  for (auto entry = rest.begin(); entry != rest.end();) entry = isForeign(entry->first) ? rest.erase(entry) : ++entry;
 
   int num_cameras = static_cast<int>(params.node.collector.cameras.size());
   if (rest.count("num_cameras") != 0) readText("num_cameras", rest["num_cameras"], num_cameras);

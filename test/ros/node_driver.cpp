@@ -358,6 +358,35 @@ TEST_F(NodeTest, ColouringStartsAfterSilence) {
   EXPECT_TRUE(waitFor([&] { return last_status_.colored_points > 1000; })) << process_->log();
 }
 
+/// A second name for the raw plugin stands for the plugins that a distribution may have.
+TEST_F(NodeTest, NamedTransportIsReadByItsPlugin) {
+  std::filesystem::create_directory(directory_ + "/twin");
+  std::ofstream(directory_ + "/twin/package.xml")
+      << "<package><name>twin</name><version>1.0.0</version><description>a "
+         "transport</description><license>BSD</license>"
+      << "<maintainer email=\"no@body.invalid\">nobody</maintainer><run_depend>image_transport</run_depend>"
+      << "<export><image_transport plugin=\"${prefix}/plugins.xml\"/></export></package>";
+  std::ofstream(directory_ + "/twin/plugins.xml")
+      << "<library path=\"libimage_transport_plugins\"><class name=\"image_transport/twin_sub\" "
+      << "type=\"image_transport::RawSubscriber\" base_class_type=\"image_transport::SubscriberPlugin\"/></library>";
+  const char* before = getenv("ROS_PACKAGE_PATH");
+  const std::string path = before == nullptr ? "/usr/share" : before;
+  setenv("ROS_PACKAGE_PATH", (directory_ + "/twin:" + path).c_str(), 1);
+  setenv("ROS_CACHE_TIMEOUT", "0", 1);  // of the list of packages
+  startNode(false, {"_camera_0/image_transport:=twin"});
+  publishDrive();
+  EXPECT_TRUE(waitForViews(2 * drive_.num_frames)) << process_->log();
+  setenv("ROS_PACKAGE_PATH", path.c_str(), 1);
+  unsetenv("ROS_CACHE_TIMEOUT");
+}
+
+TEST_F(NodeTest, TransportWithoutAPluginStopsTheStart) {
+  NodeProcess process({"_num_cameras:=1", "_image_transport:=sonar"}, directory_ + "/log");
+  EXPECT_EQ(process.wait(), 1);
+  EXPECT_NE(process.log().find("image_transport = \"sonar\" of camera_0: there are compressed, raw"), std::string::npos)
+      << process.log();
+}
+
 TEST_F(NodeTest, UnknownParameterStopsTheStart) {
   NodeProcess process({"_voxel_sise:=0.1"}, directory_ + "/log");
   EXPECT_EQ(process.wait(), 1);

@@ -35,9 +35,12 @@ TEST(RosParams, TextsArriveInTheirFields) {
                                            {"tf_wait", "0.5"},
                                            {"voxel_size", "0.1"},
                                            {"method", "paper"},
+                                           {"camera_0/image_transport", "theora"},
+                                           {"plugins/camera_0/theora/post_processing_level", "0"},
                                            {"diagnostic_period", "2"}});
   EXPECT_EQ(params.node.collector.cameras.at(2).time_offset, -0.02);
   EXPECT_TRUE(params.node.collector.cameras.at(1).rectified);
+  EXPECT_EQ(params.node.camera_transports.at(0), "theora");
   EXPECT_EQ(params.node.collector.tf_wait, 0.5);
   EXPECT_EQ(params.node.collector.record.voxel_size, 0.1);
   EXPECT_EQ(params.core.colorize.method, Method::kPaper);
@@ -55,7 +58,8 @@ TEST(RosParams, BadValuesAreRefusedWithNameAndValue) {
                                                                      {"tf_wait", "soon"},
                                                                      {"num_cameras", "many"},
                                                                      {"num_cameras", "-1"},
-                                                                     {"image_transport", "theora"},
+                                                                     {"image_transport", "no transport"},
+                                                                     {"camera_0/image_transport", "a/b"},
                                                                      {"colorize_after", "-3"},
                                                                      {"method", "magic"},
                                                                      {"camera_0/rectified", "perhaps"},

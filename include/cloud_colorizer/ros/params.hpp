@@ -20,7 +20,7 @@ struct NodeParams {
   CollectorParams collector;
   std::string recording_dir;            ///< empty: a new one below $ROS_HOME/cloud_colorizer
   std::string save_path;                ///< empty: nothing is saved on shutdown
-  std::string image_transport = "raw";  ///< raw or compressed
+  std::string image_transport = "raw";  ///< raw, compressed, or another with a plugin for image_transport
   std::vector<std::string> camera_transports = std::vector<std::string>(1);  ///< by camera; empty: image_transport
   double colorize_after = 0;         ///< s without any message after which the map is coloured; 0: never
   int queue_size = 40;               ///< messages of a topic that wait to be recorded
@@ -56,7 +56,8 @@ template <class NodeParamsT, class F>
 void visitNodeParams(NodeParamsT& p, F&& f) {
   f("recording_dir", p.recording_dir, "directory of the recording; empty: a new one below ~/.ros/cloud_colorizer");
   f("save_path", p.save_path, ".ply or .pcd; the map is coloured and saved there on shutdown");
-  f("image_transport", p.image_transport, "raw, or compressed for the topics camera_<i>/image/compressed");
+  f("image_transport", p.image_transport,
+    "raw, compressed (files kept as received), or another one that image_transport has a plugin for");
   f("colorize_after", p.colorize_after, "s without a message after which the map is coloured; 0: never");
   f("queue_size", p.queue_size, "messages of a topic that may wait to be recorded");
   f("preview_voxel_size", p.preview_voxel_size, "m; one point a voxel in colored_map_preview");
@@ -66,7 +67,7 @@ void visitNodeParams(NodeParamsT& p, F&& f) {
   visitCollectorParams(p.collector, f);
   for (std::size_t i = 0; i < p.camera_transports.size(); ++i) {
     const std::string name = "camera_" + std::to_string(i) + "/image_transport";
-    f(name.c_str(), p.camera_transports[i], "raw or compressed, for this camera; empty: as image_transport");
+    f(name.c_str(), p.camera_transports[i], "transport of this camera; empty: as image_transport");
   }
 }
 
