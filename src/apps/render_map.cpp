@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "apps/command_line.hpp"
+#include "base/file_io.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "cloud_colorizer/picture/picture.hpp"

@@ -5,12 +5,10 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "base/file_io.hpp"
 #include "cloud_colorizer/base/types.hpp"
 #include "cloud_colorizer/cloud/cloud.hpp"
 

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pcl/io/lzf.h>
+
 #include <algorithm>
-#include <cstring>
 
 #include "base/text.hpp"
 #include "cloud/pcd.hpp"
@@ -22,39 +23,6 @@ CloudHeader readHeader(BlockReader& input) {
   return extension == ".ply" ? readPlyHeader(input) : readPcdHeader(input);
 }
 
-/// LZF, as PCL writes it: a control byte below 32 starts literals, others copy from what is already there. False when
-/// the data are damaged.
-bool decompressLzf(const std::vector<std::uint8_t>& input, std::vector<std::uint8_t>& output) {
-  const auto* in = input.data();
-  const auto* const in_end = in + input.size();
-  auto* out = output.data();
-  auto* const out_end = out + output.size();
-  while (in < in_end) {
-    std::size_t control = *in++;
-    if (control < 32) {
-      const auto length = control + 1;
-      if (static_cast<std::size_t>(in_end - in) < length || static_cast<std::size_t>(out_end - out) < length)
-        return false;
-      std::memcpy(out, in, length);
-      in += length;
-      out += length;
-      continue;
-    }
-    std::size_t length = (control >> 5U) + 2;
-    if (length == 9) {
-      if (in == in_end) return false;
-      length += *in++;
-    }
-    if (in == in_end) return false;
-    const std::size_t distance = ((control & 31U) << 8U) + *in++ + 1;
-    if (static_cast<std::size_t>(out - output.data()) < distance || static_cast<std::size_t>(out_end - out) < length) {
-      return false;
-    }
-    for (std::size_t i = 0; i < length; ++i, ++out) *out = *(out - distance);  // the ranges may overlap
-  }
-  return out == out_end;
-}
-
 /// All columns of a binary_compressed PCD.
 std::vector<std::uint8_t> readCompressed(BlockReader& input, std::uint64_t expected_size) {
   std::uint32_t sizes[2];
@@ -65,9 +33,13 @@ std::vector<std::uint8_t> readCompressed(BlockReader& input, std::uint64_t expec
           expected_size);
   require(sizes[0] <= input.remaining(), input.path(), " is truncated: it needs ", sizes[0],
           " bytes of points, but only ", input.remaining(), " are there");
+  // LZF packs no more than 264 bytes into three.
+  require(sizes[1] / 88 <= sizes[0], input.path(), " is damaged: ", sizes[0], " packed bytes cannot hold its ",
+          sizes[1], " bytes of points");
   std::vector<std::uint8_t> packed(sizes[0]), columns(sizes[1]);
   input.read(packed.data(), packed.size());
-  require(decompressLzf(packed, columns), input.path(), " is damaged: its points cannot be decompressed");
+  const auto size = packed.empty() ? 0 : pcl::lzfDecompress(packed.data(), sizes[0], columns.data(), sizes[1]);
+  require(size == sizes[1], input.path(), " is damaged: its points cannot be decompressed");
   return columns;
 }
 

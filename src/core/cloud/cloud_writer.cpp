@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "base/file_io.hpp"
 #include "base/text.hpp"
 #include "cloud/pcd.hpp"
 #include "cloud_colorizer/base/check.hpp"

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
+#include "base/file_io.hpp"
 #include "base/position_hash.hpp"
 #include "cloud_colorizer/alignment/align.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"

@@ -13,6 +13,7 @@
 #include <iomanip>
 #include <sstream>
 
+#include "base/file_io.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
 

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
+#include <random>
 
 #include "core/scratch.hpp"
 
@@ -137,6 +139,48 @@ TEST(CloudReader, CompressedPcdIsReadAndDamageIsSeen) {
   text[first + 4] = '\xFF';
   writeText(scratch / "b.pcd", text);
   EXPECT_ERROR(readAll(scratch / "b.pcd"), "cannot be decompressed");
+}
+
+TEST(CloudReader, CompressedPcdThatClaimsMoreThanItCanHoldIsRefusedBeforeMemoryIsTaken) {
+  ScratchDirectory scratch;
+  writeText(scratch / "a.pcd",
+            "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 300000000\nHEIGHT 1\nDATA binary_compressed\n" +
+                raw<std::uint32_t>(8) + raw<std::uint32_t>(3'600'000'000) + std::string(8, 'x'));
+  EXPECT_ERROR(readAll(scratch / "a.pcd"), "8 packed bytes cannot hold");
+}
+
+/// Whatever the bytes: points, or an error that names the file.
+TEST(CloudReader, MutatedFilesAreReadOrExplained) {
+  ScratchDirectory scratch;
+  for (const char* name : {"binary.ply", "binary.pcd"}) save(scratch / name, rich(20), true);
+  writeText(scratch / "text.ply", "ply\nformat ascii 1.0\n" + kPlyBody + "1 2 3 0.5\n1 2 3 4 5\n6 7 8 9 10\n3 0 1 2\n");
+  writeText(scratch / "text.pcd",
+            "FIELDS x y z t\nSIZE 4 8 8 8\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\n"
+            "POINTS 2\nDATA ascii\n1 2 3 4\nnan 6 7 8\n");
+  writeText(scratch / "compressed.pcd", compressedPcd());
+  std::mt19937 random(1);
+  const auto draw = [&](std::size_t end) { return std::uniform_int_distribution<std::size_t>(0, end - 1)(random); };
+  for (const char* name : {"binary.ply", "binary.pcd", "text.ply", "text.pcd", "compressed.pcd"}) {
+    std::ifstream stream(scratch / name, std::ios::binary);
+    const std::string whole{std::istreambuf_iterator<char>(stream), {}};
+    for (int i = 0; i < 400; ++i) {
+      auto text = whole;
+      for (auto changes = draw(4); changes > 0; --changes) {
+        const bool is_digit = draw(2) == 0;
+        text[draw(draw(3) == 0 ? text.size() : std::min<std::size_t>(text.size(), 300))] =
+            static_cast<char>(is_digit ? '0' + draw(10) : draw(256));
+      }
+      if (draw(4) == 0) text.resize(draw(text.size()));
+      const std::string path = scratch / (std::to_string(i) + name);
+      writeText(path, text);
+      const auto message = messageOf([&] {
+        const auto cloud = readAll(path);
+        checkCloud(cloud);
+        EXPECT_LE(static_cast<std::size_t>(cloud.positions.size()), 100 * text.size());
+      });
+      EXPECT_TRUE(message.empty() || message.find(path) != std::string::npos) << message;
+    }
+  }
 }
 
 TEST(CloudReader, ReadsInBlocksOfAnySize) {
