@@ -13,7 +13,7 @@ namespace {
 const char* const kHelp =
     "usage: evaluate COMMAND ...\n"
     "\n"
-    "  tables      the paper's tables 1 and 2 and figure 4, with plots and the bars they must meet\n"
+    "  tables      the paper's tables 1 and 2 and figure 4\n"
     "  ablations   what matters: one parameter at a time\n"
     "  heldout     scores a recording by the images that were left out\n"
     "  score       compares two coloured clouds\n"

@@ -2,14 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/evaluate_commands.hpp"
 
-#include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <iostream>
-#include <iterator>
+#include <opencv2/imgcodecs.hpp>
 #include <set>
 #include <sstream>
-#include <utility>
 
 #include "apps/command_line.hpp"
 #include "cloud_colorizer/base/check.hpp"
@@ -30,27 +27,16 @@ double numberOption(const CommandLine& line, const std::string& name, double oth
   return value;
 }
 
-/// The command that makes all of a report (so without --only).
-std::string joined(int argc, char** argv) {
-  std::string command = "rosrun cloud_colorizer evaluate";
-  for (int i = 0; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument == "--only") {
-      ++i;
-    } else if (argument.rfind("--only=", 0) != 0) {
-      command += " " + argument;
-    }
-  }
-  return command;
-}
-
-void logMessages(const std::vector<std::string>& messages, const Callbacks& callbacks) {
-  for (const std::string& message : messages) callbacks.log(LogLevel::kWarning, message);
+/// As a CSV file, and on the screen.
+void save(const ResultTable& table, const std::string& directory, const std::string& name) {
+  if (table.rows.empty()) return;
+  writeText(directory + "/" + name + ".csv", csv(table));
+  std::cout << markdown(table) << std::flush;
 }
 
 const std::vector<OptionSpec> kBedOptions = {
     {"meshes", "DIR", "meshes (*.ply with faces); without it, built-in shapes"},
-    {"output", "DIR", "where the CSV files, plots and Markdown go", true},
+    {"output", "DIR", "where the CSV files and pictures go", true},
     {"quick", "", "65,000 points, the first mesh, two sizes, short limits"},
     {"points", "N", "points on a mesh (300000)"},
     {"views", "N", "images around it (48)"},
@@ -103,13 +89,6 @@ std::vector<Mesh> meshesOf(const CommandLine& line) {
   return meshes;
 }
 
-/// The tables that are not computed now, from an earlier run; an empty one where there was none.
-Table tableOf(const std::string& directory, const std::string& name) {
-  std::ifstream file(directory + "/" + name + ".csv");
-  if (!file) return Table{};
-  return parseCsv({std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()});
-}
-
 std::set<std::string> partsOption(const CommandLine& line) {
   const std::set<std::string> all = {"table1", "table2", "isolated", "density"};
   if (!line.has("only")) return all;
@@ -133,27 +112,25 @@ Eigen::Matrix3Xf relative(const Eigen::Matrix3Xd& positions, const Eigen::Vector
 int runTables(int argc, char** argv) {
   CommandSpec spec;
   spec.program = "evaluate tables";
-  spec.summary = "The paper's tables 1 and 2 with all their rows, and its figure 4, as CSV, PNG and TABLES.md.";
+  spec.summary =
+      "The paper's tables 1 and 2 with all their rows, and its figure 4, as CSV and PNG. Of these scripts/report.py "
+      "makes plots, Markdown and the bars they must meet.";
   spec.options = kBedOptions;
-  spec.options.push_back({"only", "PARTS", "of table1,table2,isolated,density; the others are read from --output"});
+  spec.options.push_back({"only", "PARTS", "of table1,table2,isolated,density; the others stay as they are"});
   return runMain(argc, argv, spec, [&](const CommandLine& line, const Callbacks& callbacks) {
     const TablesParams params = tablesParams(line);
     const std::vector<Mesh> meshes = meshesOf(line);
     const std::string output = line.option("output");
     makeDirectory(output);
     const std::set<std::string> parts = partsOption(line);
-    Tables tables;
     // Table 2 first: its processes measure memory, and inherit what this one has in use.
-    if (parts.count("table2") != 0) tables.table2 = makeTable2(meshes.front(), params, callbacks);
-    if (parts.count("isolated") != 0) tables.isolated = makeIsolated(meshes.front(), params, callbacks);
-    if (parts.count("density") != 0) tables.density = makeDensity(meshes, params, callbacks);
-    if (parts.count("table1") != 0) tables.table1 = makeTable1(meshes, params, callbacks);
-    for (const auto& [name, table] : {std::pair("table1", &tables.table1.table), std::pair("table2", &tables.table2),
-                                      std::pair("isolated", &tables.isolated), std::pair("density", &tables.density)}) {
-      if (parts.count(name) == 0) *table = tableOf(output, name);
-    }
-    logMessages(writeTables(output, tables, joined(argc, argv)), callbacks);
-    for (const std::string& bar : checkBars(tables)) std::cout << bar << "\n";
+    if (parts.count("table2") != 0) save(makeTable2(meshes.front(), params, callbacks), output, "table2");
+    if (parts.count("isolated") != 0) save(makeIsolated(meshes.front(), params, callbacks), output, "isolated");
+    if (parts.count("density") != 0) save(makeDensity(meshes, params, callbacks), output, "density");
+    if (parts.count("table1") == 0) return;
+    const Table1 table1 = makeTable1(meshes, params, callbacks);
+    save(table1.table, output, "table1");
+    require(cv::imwrite(output + "/closeups.png", table1.closeup), "cannot write ", output, "/closeups.png");
   });
 }
 
@@ -163,9 +140,9 @@ int runAblations(int argc, char** argv) {
   spec.summary = "What matters: the paper's method on the first mesh, one parameter at a time.";
   spec.options = kBedOptions;
   return runMain(argc, argv, spec, [&](const CommandLine& line, const Callbacks& callbacks) {
-    const Table table = makeAblations(meshesOf(line).front(), tablesParams(line), callbacks);
-    logMessages(writeAblations(line.option("output"), table, joined(argc, argv)), callbacks);
-    std::cout << markdown(table);
+    makeDirectory(line.option("output"));
+    const ResultTable table = makeAblations(meshesOf(line).front(), tablesParams(line), callbacks);
+    save(table, line.option("output"), "ablations");
   });
 }
 
@@ -186,8 +163,8 @@ int runHeldout(int argc, char** argv) {
     const std::string output = line.option("output");
     makeDirectory(output);
     const HeldoutResult result = scoreHeldout(Recording::open(line.positionals[0]), params, output, callbacks);
-    writeText(output + "/heldout.md", describeRun(joined(argc, argv)) + markdown(result.methods));
-    std::cout << markdown(result.methods);
+    writeText(output + "/heldout_views.csv", csv(result.views));
+    save(result.methods, output, "heldout");
   });
 }
 

@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "base/columns.hpp"
+#include "base/progress.hpp"
 #include "base/stop_watch.hpp"
-#include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/color/point_colors.hpp"
 #include "evaluation/tables.hpp"
 
@@ -49,14 +49,9 @@ std::vector<std::string> scored(const std::string& what, const std::string& valu
 /// All of them with one kind of noise.
 class Ablations {
  public:
-  Ablations(const Mesh& mesh, const TablesParams& params, const std::string& noise, const Callbacks& callbacks,
-            Table& table)
-      : mesh_(mesh),
-        params_(params),
-        noise_(noise),
-        callbacks_(callbacks),
-        paper_(paperParams(params.method)),
-        table_(table) {
+  Ablations(const Mesh& mesh, const TablesParams& params, const std::string& noise, ProgressMeter& meter,
+            ResultTable& table)
+      : mesh_(mesh), params_(params), noise_(noise), meter_(meter), paper_(paperParams(params.method)), table_(table) {
     bed_ = bedWith(params.bed);
     observed_ = observeBed(bed_, bed_.poses, {}, params.method);
   }
@@ -70,15 +65,12 @@ class Ablations {
 
  private:
   TestBed bedWith(const TestBedParams& params) const {
-    NoiseParams noise = params_.noise;
-    if (noise_ == "intensities") noise.rotation = noise.centre = 0;
-    return addNoise(renderTestBed(mesh_, params), noise, params.seed, params.num_threads);
+    return noisyBed(mesh_, params, noise_ == "both" ? params_.noise : params_.noise.onlyIntensities());
   }
 
   void report(const std::vector<std::string>& row) {
-    if (callbacks_.cancelled && callbacks_.cancelled()) throw Cancelled();
     table_.add(row);
-    if (callbacks_.progress) callbacks_.progress({"ablations", table_.rows.size(), kNumRows, 0, -1});
+    meter_.add(1, false);
   }
 
   void solve(const std::string& what, const std::string& value, const Params& params, const ObservedBed& observed) {
@@ -200,19 +192,20 @@ class Ablations {
   const Mesh& mesh_;
   const TablesParams& params_;
   const std::string noise_;
-  const Callbacks& callbacks_;
+  ProgressMeter& meter_;
   Params paper_;
-  Table& table_;
+  ResultTable& table_;
   TestBed bed_;
   ObservedBed observed_;
 };
 
 }  // namespace
 
-Table makeAblations(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks) {
-  Table table;
+ResultTable makeAblations(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks) {
+  ResultTable table;
   table.header = {"what", "value", "noise", "aep", "rep", "coverage", "seconds", "seam"};
-  for (const std::string noise : {"both", "intensities"}) Ablations(mesh, params, noise, callbacks, table).run();
+  ProgressMeter meter(callbacks, "ablations", kNumRows);
+  for (const std::string noise : {"both", "intensities"}) Ablations(mesh, params, noise, meter, table).run();
   return table;
 }
 

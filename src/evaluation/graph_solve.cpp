@@ -47,7 +47,7 @@ std::vector<Index> freePoints(const Eigen::VectorXf& anchors, const std::vector<
 
 }  // namespace
 
-OrderedGraph buildGraph(const std::string& graph, PointsRef points) {
+OrderedGraph buildGraph(const std::string& graph, const Points& points) {
   if (graph == "DT") return {delaunayGraph(points), {}};
   const int number = std::atoi(graph.c_str());
   if (endsWith(graph, "-NN") && number > 0) return {knnGraph(points, number), {}};
@@ -62,7 +62,7 @@ OrderedGraph buildGraph(const std::string& graph, PointsRef points) {
   return orderedZorderGraph(points, gridOf(points), params);
 }
 
-GraphSolution solveOnGraph(const std::string& graph, PointsRef points, const Observations& observations,
+GraphSolution solveOnGraph(const std::string& graph, const Points& points, const Observations& observations,
                            const Fused& data, const SystemParams& params, Unanchored unanchored) {
   params.check();
   GraphSolution solution;

@@ -358,8 +358,6 @@ HeldoutResult scoreHeldout(const Recording& recording, const HeldoutParams& para
     }
     result.methods.add(cells(maps[m].method, all));
   }
-  writeText(directory + "/heldout.csv", csv(result.methods));
-  writeText(directory + "/heldout_views.csv", csv(result.views));
   return result;
 }
 

@@ -30,8 +30,8 @@ std::vector<std::size_t> heldoutViews(const std::vector<View>& views, int every)
 Recording withViews(const Recording& recording, const std::vector<std::size_t>& views, const std::string& directory);
 
 struct HeldoutResult {
-  Table methods;  ///< one row a method: errors over all held-out images
-  Table views;    ///< one row a method and view
+  ResultTable methods;  ///< one row a method: errors over all held-out images
+  ResultTable views;    ///< one row a method and view
 };
 
 /// Colours the map by each method without the held-out views, in `directory`/training, and predicts their images at

@@ -5,16 +5,17 @@
 #include <algorithm>
 #include <map>
 
-#include "cloud_colorizer/base/check.hpp"
-#include "evaluation/neighbors.hpp"
+#include "base/progress.hpp"
+#include "base/text.hpp"
 #include "evaluation/tables.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
-/// Cells of one row: points, number of parts, share of the largest, share without an anchor, errors plain and anchored.
-std::vector<std::string> measureParts(const std::string& graph, const TestBed& bed, const ObservedBed& observed,
-                                      SystemParams system) {
+/// Cells of one row, with commas between: points, number of parts, share of the largest, share without an anchor,
+/// errors plain and anchored.
+std::string measureParts(const std::string& graph, const TestBed& bed, const ObservedBed& observed,
+                         SystemParams system) {
   std::map<std::uint32_t, std::size_t> sizes;
   for (const std::uint32_t label :
        connectedComponents(observed.seen.size(), buildGraph(graph, observed.points).edges)) {
@@ -33,49 +34,33 @@ std::vector<std::string> measureParts(const std::string& graph, const TestBed& b
   };
   const GraphSolution plain = solve(Unanchored::kPlain), anchored = solve(Unanchored::kAnchored);
   const auto count = static_cast<double>(observed.seen.size());
-  return {std::to_string(observed.seen.size()),
-          std::to_string(sizes.size()),
-          formatNumber(100 * static_cast<double>(largest) / count, 1),
-          formatNumber(100 * plain.unanchored_share, 3),
-          aep(plain),
-          aep(anchored)};
+  return std::to_string(observed.seen.size()) + "," + std::to_string(sizes.size()) + "," +
+         formatNumber(100 * static_cast<double>(largest) / count, 1) + "," +
+         formatNumber(100 * plain.unanchored_share, 3) + "," + aep(plain) + "," + aep(anchored);
 }
 
 }  // namespace
 
-Table makeIsolated(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks) {
+ResultTable makeIsolated(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks) {
   constexpr std::size_t kMostPoints = 65000;  // the share does not depend on it: uniform samples look alike at any size
-  Table table{
+  ResultTable table{
       {"sampling", "graph", "points", "parts", "largest_part_percent", "unanchored_percent", "plain_aep", "aep"}, {}};
-  std::size_t done = 0;
+  ProgressMeter meter(callbacks, "isolated parts", 9);
   for (const double ratio : {0.0, 5.0, 10.0}) {
     TestBedParams bed_params = params.bed;
     bed_params.num_points = std::min(kMostPoints, params.bed.num_points);
     bed_params.scan_line_ratio = ratio;
-    const TestBed bed =
-        addNoise(renderTestBed(mesh, bed_params), params.noise, bed_params.seed, bed_params.num_threads);
+    const TestBed bed = noisyBed(mesh, bed_params, params.noise);
     const ObservedBed observed = observeBed(bed, bed.poses, {}, params.method);
     for (const std::string graph : {"5-NN", "20-NN", "4-pass"}) {
-      if (callbacks.cancelled && callbacks.cancelled()) throw Cancelled();
-      if (graph != "4-pass" && !hasNearestNeighbors()) continue;
-      const std::string sampling = ratio == 0 ? kUniformSampling : "scan lines 1 : " + formatNumber(ratio, 0);
-      const LimitedRun run = runLimited(
-          [&] {
-            Table row{table.header, {}};
-            std::vector<std::string> cells = {sampling, graph};
-            for (const std::string& cell : measureParts(graph, bed, observed, params.method.system)) {
-              cells.push_back(cell);
-            }
-            row.add(cells);
-            return csv(row);
-          },
-          params.limits);
-      if (run.status == "ok") {
-        table.add(parseCsv(run.bytes).rows[0]);
-      } else {
-        table.add({sampling, graph, std::to_string(observed.seen.size()), run.status, "-", "-", "-", "-"});
-      }
-      if (callbacks.progress) callbacks.progress({"isolated parts", ++done, 9, 0, -1});
+      std::vector<std::string> row = {ratio == 0 ? "uniform" : "scan lines 1 : " + formatNumber(ratio, 0), graph};
+      const LimitedRun run =
+          runLimited([&] { return measureParts(graph, bed, observed, params.method.system); }, params.limits);
+      std::vector<std::string> cells = {std::to_string(observed.seen.size()), run.status, "-", "-", "-", "-"};
+      if (run.status == "ok") cells = splitAt(run.bytes, ',');
+      row.insert(row.end(), cells.begin(), cells.end());
+      table.add(row);
+      meter.add(1, false);
     }
   }
   return table;

@@ -47,11 +47,11 @@ struct GraphSolution {
 /// The paper's formulation on any of its graphs: "1-pass" ... "4-pass", also "4-pass shared" (PassGrids::kShared),
 /// "5-NN", "20-NN" (any k), "DT".
 /// Throws std::invalid_argument for another name, std::runtime_error when the graph was not built in.
-GraphSolution solveOnGraph(const std::string& graph, PointsRef points, const Observations& observations,
+GraphSolution solveOnGraph(const std::string& graph, const Points& points, const Observations& observations,
                            const Fused& data, const SystemParams& params, Unanchored unanchored);
 
 /// The edges of such a graph; the order of elimination is empty but for shared grids.
-OrderedGraph buildGraph(const std::string& graph, PointsRef points);
+OrderedGraph buildGraph(const std::string& graph, const Points& points);
 
 struct MethodResult {
   Values values;                      ///< 3 x n of the test bed

@@ -101,7 +101,8 @@ Score scoreColors(ValuesRef truth, ValuesRef result, const std::vector<std::uint
   return score;
 }
 
-Score scoreClouds(PointsRef truth_points, ValuesRef truth, PointsRef points, ValuesRef result, double max_distance) {
+Score scoreClouds(const Points& truth_points, ValuesRef truth, const Points& points, ValuesRef result,
+                  double max_distance) {
   require<std::invalid_argument>(max_distance > 0, "the largest distance between compared points must be positive, is ",
                                  max_distance, " m");
   const auto nearest = nearestNeighbors(points, truth_points);

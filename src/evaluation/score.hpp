@@ -32,7 +32,8 @@ Score scoreColors(ValuesRef truth, ValuesRef result, const std::vector<std::uint
 
 /// Compares two clouds: every point of the truth with the nearest coloured point of the result within `max_distance`
 /// [m]. Throws std::runtime_error when no pair is that near.
-Score scoreClouds(PointsRef truth_points, ValuesRef truth, PointsRef points, ValuesRef result, double max_distance);
+Score scoreClouds(const Points& truth_points, ValuesRef truth, const Points& points, ValuesRef result,
+                  double max_distance);
 
 /// The gain g that minimises sum |truth - g * value| (weighted median of the ratios); 1 if all values are zero.
 double bestGain(const std::vector<float>& truth, const std::vector<float>& values);

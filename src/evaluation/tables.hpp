@@ -30,46 +30,32 @@ struct TablesParams {
 /// std::runtime_error when the directory has none.
 std::vector<Mesh> loadMeshes(const std::string& directory);
 
+struct MethodRun {
+  std::string status = "ok";  ///< else what stopped it; the result then has its seconds alone
+  MethodResult result;
+};
+/// colorizeArrays, for a graph in a process with limits, as a graph may take for ever. (The alignment of `default`
+/// needs the threads of this one.)
+MethodRun runMethod(const TestBed& bed, const ObservedBed& observed, const std::string& method, const Params& params,
+                    const Limits& limits);
+
 struct Table1 {
-  Table table;      ///< mesh, noise, method, status, aep, rep, ...
-  cv::Mat closeup;  ///< BGR; the paper's figure 4: the first mesh by method
+  ResultTable table;  ///< mesh, noise, method, status, aep, rep, ...
+  cv::Mat closeup;    ///< BGR; the paper's figure 4: the first mesh by method
 };
 Table1 makeTable1(const std::vector<Mesh>& meshes, const TablesParams& params, const Callbacks& callbacks);
 
 /// graph, solver, points, status, seconds by stage, peak memory, neighbours a node.
-Table makeTable2(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks);
-
-/// How the time grows, of the rows that ended in time at two sizes or more: graph, solver, smallest and largest size,
-/// microseconds a point at both, and x of "time ~ points^x" between them.
-Table growthOf(const Table& table2);
-
-constexpr char kUniformSampling[] = "uniform";  ///< in the column "sampling"
+ResultTable makeTable2(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks);
 
 /// Graphs on points sampled uniformly and in scan lines: number of parts, share of the points in parts without an
 /// anchor, and the AEP with such parts left as the equations leave them, and with our rule.
-Table makeIsolated(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks);
+ResultTable makeIsolated(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks);
 
 /// Errors with noise of the intensities alone, by mesh and number of points: mean, 4-pass and 20-NN.
-Table makeDensity(const std::vector<Mesh>& meshes, const TablesParams& params, const Callbacks& callbacks);
-
-struct Tables {
-  Table1 table1;
-  Table table2, isolated, density;
-};
-
-/// One sentence a bar of the issue, with the numbers, that begins with "met" or "MISSED".
-std::vector<std::string> checkBars(const Tables& tables);
+ResultTable makeDensity(const std::vector<Mesh>& meshes, const TablesParams& params, const Callbacks& callbacks);
 
 /// Ablations on one mesh: what is varied, its value, kind of noise, AEP, REP, seconds, seam.
-Table makeAblations(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks);
-
-/// Writes CSV files, plots, a Markdown file a table and all of them as TABLES.md (ABLATIONS.md) into a directory.
-/// Returns messages about plots that could not be made.
-std::vector<std::string> writeTables(const std::string& directory, const Tables& tables, const std::string& command);
-std::vector<std::string> writeAblations(const std::string& directory, const Table& ablations,
-                                        const std::string& command);
-
-/// "Command: ... Machine: Intel(R) ..., 2 cores, 24 GB": for the reports.
-std::string describeRun(const std::string& command);
+ResultTable makeAblations(const Mesh& mesh, const TablesParams& params, const Callbacks& callbacks);
 
 }  // namespace cloud_colorizer

@@ -182,6 +182,10 @@ TestBed addNoise(const TestBed& clean, const NoiseParams& noise, std::uint64_t s
   return bed;
 }
 
+TestBed noisyBed(const Mesh& mesh, const TestBedParams& params, const NoiseParams& noise) {
+  return addNoise(renderTestBed(mesh, params), noise, params.seed, params.num_threads);
+}
+
 double meanReprojectionError(const TestBed& bed, const std::vector<Eigen::Isometry3d>& poses) {
   const Intrinsics& k = bed.intrinsics;
   const auto pixel = [&k](const Eigen::Vector3d& p) {

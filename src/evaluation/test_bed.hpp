@@ -38,9 +38,8 @@ struct NoiseParams {
   double gain = 0.1;       ///< of each view's brightness, about 1
   double pixel = 5;        ///< of 255, of each pixel and channel
 
-  static NoiseParams none() { return {0, 0, 0, 0}; }
-  static NoiseParams extrinsics() { return {0.15, 0.002, 0, 0}; }
-  static NoiseParams intensities() { return {0, 0, 0.1, 5}; }
+  NoiseParams onlyExtrinsics() const { return {rotation, centre, 0, 0}; }
+  NoiseParams onlyIntensities() const { return {0, 0, gain, pixel}; }
   void check() const;
 };
 
@@ -62,6 +61,9 @@ TestBed renderTestBed(const Mesh& mesh, const TestBedParams& params);
 
 /// A copy with noise; `clean` comes from renderTestBed. The same for the same seed, whatever the number of threads.
 TestBed addNoise(const TestBed& clean, const NoiseParams& noise, std::uint64_t seed, int num_threads = 0);
+
+/// Both in one, with the seed and threads of `params`.
+TestBed noisyBed(const Mesh& mesh, const TestBedParams& params, const NoiseParams& noise);
 
 /// Albedo (0 to 1, RGB) at a point of an object of diameter 2: smooth areas and sharp borders at several frequencies.
 Eigen::Vector3f textureAlbedo(const Eigen::Vector3f& point, float frequency = 1);

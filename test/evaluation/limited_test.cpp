@@ -31,7 +31,6 @@ TEST(LimitedRun, BytesAndPeakMemoryComeBack) {
 }
 
 TEST(LimitedRun, SolvesEvenWhereTheCallerSolvedBefore) {
-  if (!hasNearestNeighbors()) GTEST_SKIP() << "built without nanoflann";
   // Dense enough for supernodes, whose code leaves threads of OpenMP behind that a fork does not copy.
   std::srand(3);
   const Points points = Points::Random(3, 4000);

@@ -92,7 +92,6 @@ TEST(Score, NothingColouredIsAnError) {
 }
 
 TEST(Score, CloudsAreComparedAtTheNearestPoint) {
-  if (!hasNearestNeighbors()) GTEST_SKIP() << "built without nanoflann";
   Points truth_points(3, 3), points(3, 2);
   truth_points << 0, 1, 9, 0, 0, 0, 0, 0, 0;
   points << 1.01F, 0.02F, 0, 0, 0, 0;
@@ -107,7 +106,6 @@ TEST(Score, CloudsAreComparedAtTheNearestPoint) {
 }
 
 TEST(Score, CloudsThatDoNotOverlapAreRefusedWithTheDistance) {
-  if (!hasNearestNeighbors()) GTEST_SKIP() << "built without nanoflann";
   const Points here = Points::Zero(3, 1), there = Points::Constant(3, 1, 100);
   const Values color = Values::Zero(3, 1);
   try {

@@ -81,10 +81,10 @@ TEST(TestBed, NoiseHasTheSizesAskedForAndEachKindCanBeOff) {
   }
   EXPECT_NEAR(std::sqrt(angles / 600), 0.15, 0.015);
   EXPECT_NEAR(std::sqrt(centres / 600), 0.004, 0.0004);
-  const TestBed poses_only = addNoise(clean, NoiseParams::extrinsics(), 3);
+  const TestBed poses_only = addNoise(clean, NoiseParams{}.onlyExtrinsics(), 3);
   EXPECT_TRUE(sameImages(poses_only, clean));
   EXPECT_TRUE((poses_only.gains == 1).all());
-  const TestBed images_only = addNoise(clean, NoiseParams::intensities(), 3);
+  const TestBed images_only = addNoise(clean, NoiseParams{}.onlyIntensities(), 3);
   EXPECT_TRUE(images_only.poses[5].isApprox(clean.poses[5], 0));
   EXPECT_FALSE(sameImages(images_only, clean));
 }

@@ -4,15 +4,18 @@
 #
 # `evaluate` from end to end on small built-in shapes: every file is there, and a second run gives the same errors.
 . "$(dirname "$0")/common.bash"
+report() { /usr/bin/python3 scripts/report.py "$@"; }
 small=(--quick --points 2000 --views 4 --sizes 1000,2000 --time-limit 5 alignment_points=300 alignment_rounds=1)
 
 # ---- the tables ----
 for run in one two; do
-  expect 0 '4-pass AEP' evaluate tables "${small[@]}" --output "$tmp/$run"
+  expect 0 '4-pass' evaluate tables "${small[@]}" --output "$tmp/$run"
+  expect 0 '4-pass AEP' report "$tmp/$run" 'evaluate tables'
+  grep -qE '^[0-9]+ of [0-9]+ bars missed$' "$tmp/log" || problem "no word about how many bars are missed"
 done
 for name in TABLES.md {table1,table2,growth,isolated,bars}.md {table1,table2,isolated}.csv \
             {closeups,error_aep,error_rep,time_by_size}.png; do
-  [ -s "$tmp/one/$name" ] || problem "evaluate tables writes no $name"
+  [ -s "$tmp/one/$name" ] || problem "evaluate tables and its report write no $name"
 done
 for method in closest mean median 5-NN 20-NN DT 1-pass 2-pass 3-pass 4-pass "4-pass shared" default; do
   [ "$(grep -cE ",(both|extrinsics|intensities),$method,ok," "$tmp/one/table1.csv")" = 3 ] ||
@@ -26,6 +29,7 @@ cmp "$tmp/one/isolated.csv" "$tmp/two/isolated.csv" || problem "a second run giv
 
 # ---- ablations ----
 expect 0 'ablations 100 % .92 of 92' evaluate ablations "${small[@]}" --output "$tmp/ablations"
+expect 0 'wrote .*ablations.md' report "$tmp/ablations"
 for what in passes anchor_share_random anchor_share_consistent lambda edge_length_ratio gradient_distance max_views \
             depth_cell_size overlap_percent texture_frequency; do
   [ -s "$tmp/ablations/ablation_$what.png" ] || problem "no plot of $what"
