@@ -9,12 +9,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <iomanip>
-#include <limits>
 #include <sstream>
 
-#include "cloud_colorizer/base/check.hpp"
+#include "base/param_text.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -24,51 +22,6 @@ constexpr int kMaxCameras = 64;
 /// Read by other libraries from our private names.
 bool isForeign(const std::string& name) {
   return name == "diagnostic_period" || name.rfind("plugins/", 0) == 0;
-}
-
-template <class T>
-T numberFromText(const std::string& name, const std::string& text) {
-  std::istringstream stream(text);
-  T value{};
-  require<std::invalid_argument>(static_cast<bool>(stream >> value) && (stream >> std::ws).eof(), "parameter ", name,
-                                 " = \"", text, "\" is not ", std::is_integral<T>::value ? "an integer" : "a number");
-  return value;
-}
-
-void readText(const std::string&, const std::string& text, std::string& value) {
-  value = text;
-}
-void readText(const std::string& name, const std::string& text, double& value) {
-  value = numberFromText<double>(name, text);
-}
-void readText(const std::string& name, const std::string& text, int& value) {
-  value = numberFromText<int>(name, text);
-}
-void readText(const std::string& name, const std::string& text, bool& value) {
-  require<std::invalid_argument>(text == "true" || text == "false" || text == "1" || text == "0", "parameter ", name,
-                                 " = \"", text, "\" is neither true nor false");
-  value = text == "true" || text == "1";
-}
-
-std::string toText(const std::string& value) {
-  return value;
-}
-std::string toText(int value) {
-  return std::to_string(value);
-}
-std::string toText(bool value) {
-  return value ? "true" : "false";
-}
-
-/// The shortest decimal that reads back as the same number.
-std::string toText(double value) {
-  for (int digits = 6; digits <= std::numeric_limits<double>::max_digits10; ++digits) {
-    std::ostringstream out;
-    out.precision(digits);
-    out << value;
-    if (digits == std::numeric_limits<double>::max_digits10 || std::stod(out.str()) == value) return out.str();
-  }
-  return {};
 }
 
 void flattenInto(const std::string& name, XmlRpc::XmlRpcValue value, std::map<std::string, std::string>& texts) {
@@ -82,13 +35,13 @@ void flattenInto(const std::string& name, XmlRpc::XmlRpcValue value, std::map<st
       texts[name] = static_cast<std::string>(value);
       return;
     case XmlRpcValue::TypeBoolean:
-      texts[name] = toText(static_cast<bool>(value));
+      texts[name] = formatValue(static_cast<bool>(value));
       return;
     case XmlRpcValue::TypeInt:
-      texts[name] = toText(static_cast<int>(value));
+      texts[name] = formatValue(static_cast<int>(value));
       return;
     case XmlRpcValue::TypeDouble:
-      texts[name] = toText(static_cast<double>(value));
+      texts[name] = formatValue(static_cast<double>(value));
       return;
     default:
       throw std::invalid_argument("parameter " + name + " must be one number, word or truth value, not a list");
@@ -101,6 +54,14 @@ void checkTransport(const std::string& name, const std::string& value) {
   require<std::invalid_argument>(!value.empty() && std::all_of(value.begin(), value.end(), is_letter), "parameter ",
                                  name, " = \"", value,
                                  "\" must be raw, compressed or the name of another image transport");
+}
+
+/// Sets those of `texts` that are fields, and removes them from it.
+template <class Visit>
+void takeFields(std::map<std::string, std::string>& texts, const Visit& visit) {
+  for (auto text = texts.begin(); text != texts.end();) {
+    text = setField(visit, "parameter ", text->first, text->second) ? texts.erase(text) : std::next(text);
+  }
 }
 
 }  // namespace
@@ -121,20 +82,12 @@ void NodeParams::check() const {
 }
 
 void takeCollectorParams(std::map<std::string, std::string>& texts, CollectorParams& params) {
-  visitCollectorParams(params, [&](const char* name, auto& value, const char*) {
-    const auto found = texts.find(name);
-    if (found == texts.end()) return;
-    readText(name, found->second, value);
-    texts.erase(found);
-  });
+  const auto visit = [&](const auto& f) { visitCollectorParams(params, f); };
+  takeFields(texts, visit);
 }
 
 std::vector<ParamText> describeCollectorParams(const CollectorParams& params) {
-  std::vector<ParamText> rows;
-  visitCollectorParams(params, [&](const char* name, const auto& value, const char* help) {
-    rows.push_back({name, toText(value), help});
-  });
-  return rows;
+  return describeFields([&](const auto& f) { visitCollectorParams(params, f); });
 }
 
 AllParams paramsFromText(const std::map<std::string, std::string>& texts) {
@@ -143,26 +96,19 @@ AllParams paramsFromText(const std::map<std::string, std::string>& texts) {
   for (auto entry = rest.begin(); entry != rest.end();) entry = isForeign(entry->first) ? rest.erase(entry) : ++entry;
 
   int num_cameras = static_cast<int>(params.node.collector.cameras.size());
-  if (rest.count("num_cameras") != 0) readText("num_cameras", rest["num_cameras"], num_cameras);
+  if (rest.count("num_cameras") != 0) num_cameras = parseValue<int>("parameter num_cameras", rest["num_cameras"]);
   requireInRange("num_cameras", num_cameras, 0, kMaxCameras);
   params.node.collector.cameras.resize(static_cast<std::size_t>(num_cameras));
   params.node.camera_transports.resize(static_cast<std::size_t>(num_cameras));
   rest.erase("num_cameras");
-
-  std::vector<std::string> known = {"num_cameras"};
-  visitNodeParams(params.node, [&](const char* name, auto& value, const char*) {
-    known.push_back(name);
-    if (rest.count(name) == 0) return;
-    readText(name, rest[name], value);
-    rest.erase(name);
-  });
-  std::vector<std::string> core;
-  visitParams(params.core, [&](const char* name, auto&, const char*) { core.push_back(name); });
-  known.insert(known.end(), core.begin(), core.end());
-  for (const auto& [name, text] : rest) {
-    require<std::invalid_argument>(std::find(core.begin(), core.end(), name) != core.end(), "unknown parameter ~", name,
-                                   " = \"", text, "\"; did you mean ~", nearestName(name, known), "?");
-    setParam(params.core, name, text);
+  takeFields(rest, [&](const auto& f) { visitNodeParams(params.node, f); });
+  takeFields(rest, [&](const auto& f) { visitParams(params.core, f); });
+  if (!rest.empty()) {
+    std::vector<std::string> known;
+    for (const ParamText& param : describeAllParams(params)) known.push_back(param.name);
+    const auto& [name, text] = *rest.begin();
+    throw std::invalid_argument("unknown parameter ~" + name + " = '" + text + "'; did you mean ~" +
+                                nearestName(name, known) + "?");
   }
   params.node.collector.record = params.core.record;
   params.core.check();
@@ -173,9 +119,9 @@ AllParams paramsFromText(const std::map<std::string, std::string>& texts) {
 std::vector<ParamText> describeAllParams(const AllParams& params) {
   std::vector<ParamText> rows;
   rows.push_back({"num_cameras", std::to_string(params.node.collector.cameras.size()), "number of cameras"});
-  visitNodeParams(params.node, [&](const char* name, const auto& value, const char* help) {
-    rows.push_back({name, toText(value), help});
-  });
+  for (const ParamText& row : describeFields([&](const auto& f) { visitNodeParams(params.node, f); })) {
+    rows.push_back(row);
+  }
   for (const ParamText& row : describeParams(params.core)) rows.push_back(row);
   return rows;
 }

@@ -30,6 +30,11 @@ struct Progress {
   double seconds_left = -1;  ///< s; negative while unknown
 };
 
+/// A parameter for people: name, value as text, what it is.
+struct ParamText {
+  std::string name, value, help;
+};
+
 enum class LogLevel { kInfo, kWarning, kError };
 
 /// How the core talks to the outside. Every member may be empty. They are called from one thread at a time.

@@ -121,13 +121,7 @@ void visitParams(ParamsT& p, F&& f) {
 /// unknown word (with the allowed ones).
 void setParam(Params& params, const std::string& name, const std::string& text);
 
-/// The word of `known` that looks most like `name`: for "did you mean".
-std::string nearestName(const std::string& name, const std::vector<std::string>& known);
-
-/// (name, value as text, help) of every parameter, in the order of visitParams.
-struct ParamText {
-  std::string name, value, help;
-};
+/// Every parameter, in the order of visitParams.
 std::vector<ParamText> describeParams(const Params& params);
 
 }  // namespace cloud_colorizer

@@ -16,6 +16,7 @@
 #include "alignment/significance.hpp"
 #include "alignment/tracks.hpp"
 #include "base/parallel.hpp"
+#include "base/robust.hpp"
 #include "cloud_colorizer/base/check.hpp"
 
 namespace cloud_colorizer {

@@ -9,6 +9,7 @@
 #include "alignment/significance.hpp"
 #include "alignment/vignetting.hpp"
 #include "base/parallel.hpp"
+#include "base/robust.hpp"
 
 namespace cloud_colorizer::alignment {
 namespace {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "alignment/normal_equations.hpp"
+#include "base/robust.hpp"
 
 namespace cloud_colorizer::alignment {
 namespace {
@@ -28,7 +29,7 @@ void weigh(const Tracks& tracks, const std::vector<float>& values, const std::ve
     residuals[k] = values[k] * (equations.values[k] - centres[p]);
     magnitudes.push_back(std::abs(residuals[k]));
   }
-  const float scale = std::max(kMinScale, static_cast<float>(kMadToSigma) * median(std::move(magnitudes)));
+  const float scale = robustSigma(std::move(magnitudes), kMinScale);
   for (std::size_t k = 0; k < values.size(); ++k) {
     const float in_levels = values[k] / scale;
     equations.weights[k] = base[k] > 0 ? base[k] * cauchyWeight(residuals[k], scale) * in_levels * in_levels : 0;
@@ -61,13 +62,6 @@ void centre(const std::vector<float>& values, const std::vector<float>& weights,
 }
 
 }  // namespace
-
-float median(std::vector<float> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::vector<float> pointMedians(const Tracks& tracks, const std::vector<float>& values,
                                 const std::vector<float>& weights) {

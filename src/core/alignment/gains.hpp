@@ -19,18 +19,6 @@ namespace cloud_colorizer::alignment {
 Eigen::VectorXd estimateLogGains(const Tracks& tracks, const std::vector<float>& values,
                                  const std::vector<float>& weights, double max_gain, int num_threads);
 
-/// Median of a copy of the values; 0 of none.
-float median(std::vector<float> values);
-
-/// From the median magnitude of normal errors to their standard deviation.
-constexpr double kMadToSigma = 1.4826;
-
-/// Cauchy weight 1 / (1 + (r / (2.385 scale))^2): outliers fade, and never become certain to be so.
-inline float cauchyWeight(float residual, float scale) {
-  const float x = residual / (2.385F * scale);
-  return 1 / (1 + x * x);
-}
-
 /// Median of the values of every point among observations of positive weight; 0 without.
 std::vector<float> pointMedians(const Tracks& tracks, const std::vector<float>& values,
                                 const std::vector<float>& weights);

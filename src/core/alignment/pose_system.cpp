@@ -7,6 +7,7 @@
 
 #include "alignment/gains.hpp"
 #include "alignment/normal_equations.hpp"
+#include "base/robust.hpp"
 
 namespace cloud_colorizer::alignment {
 namespace {
@@ -52,7 +53,7 @@ Evaluation evaluate(const PoseData& data, const PoseState& state, const Evaluati
   const std::vector<float> medians = pointMedians(tracks, equations.values, equations.weights);
   std::vector<float> residuals = residualsTo(tracks, equations, medians);
   result.residual = medianMagnitude(residuals);
-  result.scale = scale > 0 ? scale : std::max(kMinScale, static_cast<float>(kMadToSigma) * result.residual);
+  result.scale = scale > 0 ? scale : robustSigma({result.residual}, kMinScale);
   const std::vector<float> base = equations.weights;
   for (std::size_t k = 0; k < base.size(); ++k) {
     const bool shared = !std::isnan(residuals[k]);

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "alignment/gains.hpp"
 #include "alignment/poses.hpp"
+#include "base/robust.hpp"
 
 namespace cloud_colorizer::alignment {
 namespace {

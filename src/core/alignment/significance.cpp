@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "alignment/gains.hpp"
 #include "alignment/pose_system.hpp"
+#include "base/robust.hpp"
 
 namespace cloud_colorizer::alignment {
 namespace {

@@ -8,6 +8,7 @@
 #include "alignment/gains.hpp"
 #include "alignment/significance.hpp"
 #include "base/parallel.hpp"
+#include "base/robust.hpp"
 
 namespace cloud_colorizer::alignment {
 namespace {
@@ -119,7 +120,7 @@ void reweigh(const Columns& columns, const Eigen::Vector2d& coefficients, const 
     residuals[k] = row[0] + row.tail<2>().dot(coefficients.cast<float>().transpose());
     if (base[k] > 0) magnitudes.push_back(std::abs(residuals[k]));
   }
-  const float scale = std::max(kMinScale, static_cast<float>(kMadToSigma) * median(std::move(magnitudes)));
+  const float scale = robustSigma(std::move(magnitudes), kMinScale);
   for (std::size_t k = 0; k < base.size(); ++k) weights[k] = base[k] * cauchyWeight(residuals[k], scale);
 }
 

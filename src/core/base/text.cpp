@@ -82,6 +82,12 @@ std::vector<std::string> splitAt(const std::string& line, char separator) {
   return parts;
 }
 
+std::string join(const std::vector<std::string>& words, const std::string& separator) {
+  std::string text;
+  for (const std::string& word : words) text += (&word == words.data() ? "" : separator) + word;
+  return text;
+}
+
 bool endsWith(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }

@@ -21,6 +21,7 @@ bool parseInteger(const std::string& word, long long& value);
 
 std::vector<std::string> splitWords(const std::string& line);  ///< at white space
 std::vector<std::string> splitAt(const std::string& line, char separator);
+std::string join(const std::vector<std::string>& words, const std::string& separator);
 
 bool endsWith(const std::string& text, const std::string& end);
 

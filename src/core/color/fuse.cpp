@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/robust.hpp"
 #include "cloud_colorizer/base/check.hpp"
 
 namespace cloud_colorizer {
@@ -15,8 +16,7 @@ namespace {
 using Eigen::Index;
 using WeightedValues = std::vector<std::pair<float, float>>;  // (value, weight)
 
-constexpr float kTukey = 4.685F;        // 95 % efficient on normal errors
-constexpr float kMadToSigma = 1.4826F;  // for normal errors
+constexpr float kTukey = 4.685F;  // 95 % efficient on normal errors
 constexpr int kRobustRounds = 4;
 
 /// The observations of one point, and a weight for each.
@@ -112,7 +112,7 @@ class RobustWeights {
     center_.resize(static_cast<std::size_t>(values.rows()));
     for (Index c = 0; c < values.rows(); ++c) center_[c] = channelMedian(views, c, scratch_);
     computeResiduals(views);
-    const float limit = kTukey * std::max(min_scale_, kMadToSigma * medianResidual());
+    const float limit = kTukey * std::max(min_scale_, static_cast<float>(kMadToSigma) * medianResidual());
     for (int round = 0; round < kRobustRounds; ++round) {
       if (!reweigh(limit, weights)) return;
       for (Index c = 0; c < values.rows(); ++c) center_[c] = weightedMean(views, c);
