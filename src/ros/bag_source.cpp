@@ -45,7 +45,7 @@ struct BagSource::Impl {
     for (const auto& bag : bags) all.addQuery(*bag);
     for (const rosbag::ConnectionInfo* connection : all.getConnections())
       topics[connection->topic] = connection->datatype;
-    if (all.size() > 0) duration = (all.getEndTime() - all.getBeginTime()).toSec();
+    if (all.size() > 0) duration = all.getEndTime().toSec() - all.getBeginTime().toSec();
   }
 
   /// rosbag::View cannot be copied.

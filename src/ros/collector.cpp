@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
@@ -26,6 +27,9 @@ namespace {
 constexpr double kJumpBack = 1;            // s; a stream whose stamps step back by more was restarted
 constexpr std::size_t kMaxPending = 2000;  // messages of a topic; a guard for stamps that stand still
 constexpr std::chrono::seconds kWarnPeriod(10);
+
+/// tf and time offsets add up to a day to a stamp, which ros::Time then may not hold.
+constexpr std::uint32_t kLastSecond = std::numeric_limits<std::uint32_t>::max() - 2 * 86400;
 
 using Invalid = std::invalid_argument;
 using Isometry = Eigen::Isometry3d;
@@ -57,10 +61,14 @@ struct CameraState {
   sensor_msgs::CameraInfoConstPtr info;  ///< the newest
   std::optional<std::uint32_t> id;       ///< in the recording; set when the camera_info is good
   Intrinsics intrinsics;
-  std::string info_error;
+  Refused info_error{Outcome::kBadCameraInfo, ""};  ///< why there is no id
   std::optional<Isometry> last_kept;
   std::deque<ImageMessage> queue;
 };
+
+std::string badStamp(ros::Time stamp) {
+  return "the stamp of " + std::to_string(stamp.sec) + " s is out of range; look at the publisher's clock";
+}
 
 bool sameCamera(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo& b) {
   return a.width == b.width && a.height == b.height && a.distortion_model == b.distortion_model && a.D == b.D &&
@@ -192,6 +200,7 @@ struct Collector::Impl {
 
   static void checkHeader(const std_msgs::Header& header) {
     if (header.stamp.isZero()) throw Refused{Outcome::kNoStamp, "the header's stamp is zero"};
+    if (header.stamp.sec > kLastSecond) throw Refused{Outcome::kBadStamp, badStamp(header.stamp)};
     if (withoutSlash(header.frame_id).empty()) throw Refused{Outcome::kMalformed, "the header's frame_id is empty"};
   }
 
@@ -242,17 +251,22 @@ struct Collector::Impl {
 
   void readCameraInfo(CameraState& camera) {
     camera.id.reset();
-    camera.info_error.clear();
+    camera.info_error.outcome = Outcome::kBadCameraInfo;
     try {
       const CameraFromInfo result = cameraFromMessage(*camera.info, camera.params.rectified);
       if (!result.warning.empty()) warn(camera.name, "info", result.warning);
       camera.intrinsics = result.intrinsics;
+      const double size = 1e-6 * camera.intrinsics.width * camera.intrinsics.height;
+      if (size > params.max_image_size) camera.info_error.outcome = Outcome::kTooLarge;
+      require<Invalid>(size <= params.max_image_size, "camera_info: an image of ", camera.intrinsics.width, " x ",
+                       camera.intrinsics.height, " px is larger than ~max_image_size = ", params.max_image_size,
+                       " Mpx; raise it if the camera has so many pixels");
       require<Invalid>(
           camera.mask.empty() || camera.mask.size() == cv::Size(camera.intrinsics.width, camera.intrinsics.height),
           "the mask ", camera.params.mask, " is ", camera.mask.cols, " x ", camera.mask.rows, ", but the images are ",
           camera.intrinsics.width, " x ", camera.intrinsics.height);
     } catch (const Invalid& error) {
-      camera.info_error = error.what();
+      camera.info_error.reason = error.what();
       return;
     }
     camera.id = recorder->setCamera(camera.name, camera.intrinsics);
@@ -284,7 +298,7 @@ struct Collector::Impl {
   Outcome recordImage(CameraState& camera, const ImageMessage& image) {
     checkHeader(image.header);
     if (!camera.info) throw NotYet{{Outcome::kNoCameraInfo, "no camera_info has come"}};
-    if (!camera.id) throw Refused{Outcome::kBadCameraInfo, camera.info_error};
+    if (!camera.id) throw camera.info_error;
     PendingView view;
     view.camera = static_cast<std::size_t>(&camera - cameras.data());
     view.id = *camera.id;
@@ -369,7 +383,7 @@ struct Collector::Impl {
   void enqueue(const std::string& stream, StreamStats& of, std::deque<Message>& queue, const Message& message) {
     ++of.received;
     const double stamp = stampOf(message);
-    if (stamp > 0) {
+    if (stamp > 0 && stamp <= kLastSecond) {
       noticeStamp(stream, stamp);
       newest = std::max(newest, stamp);
     }
@@ -407,6 +421,11 @@ Collector::~Collector() = default;
 void Collector::addTransforms(const tf2_msgs::TFMessage& message, bool is_static) {
   for (const geometry_msgs::TransformStamped& transform : message.transforms) {
     const std::string child = withoutSlash(transform.child_frame_id);
+    if (transform.header.stamp.sec > kLastSecond && !is_static) {
+      ++impl_->stats.bad_transforms;
+      impl_->warn("tf of " + child, toString(Outcome::kBadStamp), badStamp(transform.header.stamp));
+      continue;
+    }
     if (!is_static) impl_->noticeStamp("tf of " + child, transform.header.stamp.toSec());
     geometry_msgs::TransformStamped stripped = transform;
     stripped.child_frame_id = child;

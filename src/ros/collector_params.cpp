@@ -14,10 +14,12 @@ const char* toString(Outcome outcome) {
                                        "no transform",
                                        "no camera_info",
                                        "bad camera_info",
+                                       "too large",
                                        "size differs from camera_info",
                                        "undecodable",
                                        "malformed",
                                        "no stamp",
+                                       "stamp out of range",
                                        "dropped when time jumped back",
                                        "dropped from a full queue"};
   return kNames[static_cast<std::size_t>(outcome)];
@@ -33,6 +35,7 @@ void CollectorParams::check() const {
                                  "parameter raw_image_format = \"", raw_image_format,
                                  "\" must be one of: ppm, png, jpg");
   requireInRange("encode_threads", encode_threads, 1, 64);
+  requireInRange("max_image_size", max_image_size, 1e-6, 1000.0);  // OpenCV reads up to 2^30 px
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const std::string name = "camera_" + std::to_string(i) + "/time_offset";
     requireInRange(name.c_str(), cameras[i].time_offset, -60.0, 60.0);
@@ -51,6 +54,7 @@ std::string CollectorStats::describe() const {
   };
   line("clouds", cloud);
   for (std::size_t i = 0; i < cameras.size(); ++i) line("camera_" + std::to_string(i), cameras[i]);
+  if (bad_transforms > 0) out << "tf: " << bad_transforms << " stamp out of range\n";
   out << "points: " << points.added << " recorded, " << points.voxel_taken << " in a voxel that is taken, "
       << points.too_near << " too near, " << points.too_far << " too far, " << points.not_finite << " not finite";
   return out.str();

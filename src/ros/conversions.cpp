@@ -101,7 +101,7 @@ Layout readLayout(const PointCloud2& message) {
   Layout layout;
   layout.swap = (message.is_bigendian != 0) != hostIsBigEndian();
   std::set<std::string> names;
-  std::size_t record = 0;
+  std::size_t record = 0, used = 0;
   for (const PointField& field : message.fields) {
     if (field.name.empty() || field.name == "_") continue;  // padding
     require<Invalid>(field.datatype >= 1 && field.datatype <= 8, "cloud: field ", field.name,
@@ -112,6 +112,9 @@ Layout readLayout(const PointCloud2& message) {
     const std::uint64_t size = std::uint64_t{sizeOf(type)} * count;
     require<Invalid>(field.offset + size <= message.point_step, "cloud: field ", field.name, " at offset ",
                      field.offset, " with ", size, " bytes does not fit into point_step ", message.point_step);
+    used += size;
+    require<Invalid>(used <= message.point_step, "cloud: the fields up to ", field.name, " take ", used,
+                     " bytes, but point_step is ", message.point_step, ": they overlap");
     const std::size_t axis = field.name.size() == 1 ? std::string("xyz").find(field.name) : std::string::npos;
     if (axis != std::string::npos) {
       layout.axes[axis] = {field.offset, type, true};

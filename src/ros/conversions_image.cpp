@@ -46,17 +46,19 @@ void readDistortion(const CameraInfo& message, CameraFromInfo& camera) {
 
 /// Region of interest, then binning, as image_geometry does: drivers bin by taking every n-th pixel from the first.
 void applyRoiAndBinning(const CameraInfo& message, Intrinsics& intrinsics) {
-  const int bin_x = static_cast<int>(std::max<std::uint32_t>(message.binning_x, 1));
-  const int bin_y = static_cast<int>(std::max<std::uint32_t>(message.binning_y, 1));
+  const std::uint32_t bin_x = std::max<std::uint32_t>(message.binning_x, 1);
+  const std::uint32_t bin_y = std::max<std::uint32_t>(message.binning_y, 1);
   const auto& roi = message.roi;
-  const std::uint32_t width = roi.width != 0 ? roi.width : message.width;
-  const std::uint32_t height = roi.height != 0 ? roi.height : message.height;
+  const std::uint32_t width = (roi.width != 0 ? roi.width : message.width) / bin_x;
+  const std::uint32_t height = (roi.height != 0 ? roi.height : message.height) / bin_y;
   require<Invalid>(std::uint64_t{roi.x_offset} + roi.width <= message.width &&
                        std::uint64_t{roi.y_offset} + roi.height <= message.height,
                    "camera_info: the roi (", roi.x_offset, ", ", roi.y_offset, ") + ", roi.width, " x ", roi.height,
                    " is not inside the image of ", message.width, " x ", message.height);
-  intrinsics.width = static_cast<int>(width) / bin_x;
-  intrinsics.height = static_cast<int>(height) / bin_y;
+  constexpr std::uint32_t kMost = std::numeric_limits<int>::max();
+  require<Invalid>(width <= kMost && height <= kMost, "camera_info: the image size is ", width, " x ", height);
+  intrinsics.width = static_cast<int>(width);
+  intrinsics.height = static_cast<int>(height);
   intrinsics.cx = (intrinsics.cx - roi.x_offset) / bin_x;
   intrinsics.cy = (intrinsics.cy - roi.y_offset) / bin_y;
   intrinsics.fx /= bin_x;

@@ -186,6 +186,27 @@ TEST_F(BagTest, LoopedRecordingIsReadToItsEnd) {
   EXPECT_EQ(stats.cloud.count(Outcome::kKept), 2 * drive.num_frames);
 }
 
+/// In the messages, and as the time when the bag received them.
+TEST_F(BagTest, StampsOutOfRangeCostTheirMessagesOnly) {
+  const testing_ros::SmallDrive drive;
+  drive.write(directory_ + "/bad.bag");
+  rosbag::Bag bag(directory_ + "/bad.bag", rosbag::bagmode::Append);
+  const ros::Time last(4294967295U, 999999999U);
+  auto cloud = drive.cloud(3);
+  auto transform = drive.pose(3);
+  cloud.header.stamp = transform.transforms[0].header.stamp = last;
+  bag.write("/tf", ros::Time(drive.stampOf(3) + 0.5), transform);
+  bag.write("/points", ros::Time(drive.stampOf(3) + 0.5), cloud);
+  bag.write("/tf", last, transform);
+  bag.write("/points", last, cloud);
+  bag.close();
+  const CollectorStats stats = play({directory_ + "/bad.bag"}, directory_ + "/recording", 2);
+  EXPECT_EQ(stats.cloud.count(Outcome::kKept), drive.num_frames);
+  EXPECT_EQ(stats.cloud.count(Outcome::kBadStamp), 2U);
+  EXPECT_EQ(stats.cameras[0].count(Outcome::kKept), drive.num_frames);
+  EXPECT_EQ(stats.bad_transforms, 2U);
+}
+
 TEST_F(BagTest, SeveralBagsAreReadAsOne) {
   testing_ros::SmallDrive first, second;
   second.first_stamp = first.first_stamp + 60;

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
+#include "cloud_colorizer/ros/conversions.hpp"
 #include "ros/messages.hpp"
 
 namespace cloud_colorizer {
@@ -208,6 +209,31 @@ TEST_F(CollectorTest, StampOfZeroAndEmptyFrameAreRefused) {
   EXPECT_TRUE(logged("frame_id is empty"));
 }
 
+/// What is added to such a stamp does not fit into 32 bits, and ros::Time throws.
+TEST_F(CollectorTest, StampsOutOfRangeAreDroppedAndCounted) {
+  drive(10, 11);
+  addInfo();
+  addCloud(4294967295.0);
+  auto image = imageMessage("mono8", 8, 6, {1, 2});
+  addImage(4294967295.0, image);
+  for (const std::uint32_t sec : {4294967295U, 4294967290U}) {
+    auto transform = transformMessage("map", "base", 0, 0);
+    transform.transforms[0].header.stamp = ros::Time(sec, 999999999U);
+    collector().addTransforms(transform, false);
+  }
+  addCloud(10.5);
+  addImage(10.5);
+  EXPECT_EQ(cloudCount(Outcome::kBadStamp), 1U);
+  EXPECT_EQ(imageCount(Outcome::kBadStamp), 1U);
+  EXPECT_EQ(collector().stats().bad_transforms, 2U);
+  EXPECT_EQ(cloudCount(Outcome::kKept), 1U);
+  EXPECT_EQ(imageCount(Outcome::kKept), 1U);
+  EXPECT_EQ(collector().stats().time_jumps, 0U);
+  EXPECT_TRUE(logged("clouds: the stamp of 4294967295 s is out of range"));
+  EXPECT_TRUE(logged("tf of base: the stamp of 4294967295 s is out of range"));
+  EXPECT_NE(collector().stats().describe().find("tf: 2 stamp out of range"), std::string::npos);
+}
+
 TEST_F(CollectorTest, MalformedCloudIsCountedAndTheNextIsKept) {
   drive(10, 11);
   auto cloud = PointWriter().field("x", 7).field("y", 7).done(1, 1);
@@ -298,6 +324,25 @@ TEST_F(CollectorTest, UncalibratedCameraIsRefusedWithTheReason) {
   addImage(10);
   EXPECT_EQ(imageCount(Outcome::kBadCameraInfo), 1U);
   EXPECT_TRUE(logged("uncalibrated"));
+}
+
+/// A damaged message of a few bytes may claim any size: nothing of it may be allocated, here or by who reads the view.
+TEST_F(CollectorTest, ImagesBeyondTheLargestSizeAreRefused) {
+  drive(10, 13);
+  sensor_msgs::CameraInfo info = infoMessage(40000, 40000);
+  collector().addCameraInfo(0, boost::make_shared<sensor_msgs::CameraInfo>(info));
+  auto image = encoded(cv::Mat(6, 8, CV_8UC3, cv::Scalar(1, 2, 3)), "png");
+  image.data[18] = image.data[22] = 40000 >> 8;
+  image.data[19] = image.data[23] = 40000 & 255;
+  ASSERT_EQ(inspectCompressed(image).size, cv::Size(40000, 40000));
+  addCompressed(10, image);
+  addImage(10.1);
+  EXPECT_EQ(imageCount(Outcome::kTooLarge), 2U);
+  EXPECT_TRUE(logged("40000 x 40000 px is larger than ~max_image_size = 200 Mpx"));
+  EXPECT_TRUE(finished().cameras().empty());  // whoever opens the recording would allocate it
+  addInfo();
+  addImage(10.2);
+  EXPECT_EQ(imageCount(Outcome::kKept), 1U);
 }
 
 TEST_F(CollectorTest, MaskOfAnotherSizeIsNotIgnored) {

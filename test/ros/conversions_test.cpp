@@ -113,6 +113,16 @@ TEST(CloudFromMessage, WhatDoesNotFitIsRefused) {
   EXPECT_REFUSED(cloudFromMessage(message), "point_step");
 }
 
+/// Each of the fields fits into the point, and a record of them all would be 5,000 times as large.
+TEST(CloudFromMessage, FieldsThatOverlapAreRefused) {
+  auto message = PointWriter().field("x", 7).field("y", 7).field("z", 7).field("i", 7).done(4, 2);
+  for (int i = 0; i < 5000; ++i) {
+    message.fields.push_back(message.fields[3]);
+    message.fields.back().name += std::to_string(i);
+  }
+  EXPECT_REFUSED(cloudFromMessage(message), "the fields up to i0 take 20 bytes, but point_step is 16: they overlap");
+}
+
 TEST(CloudFromMessage, CountOfZeroIsOne) {
   auto message = PointWriter().field("x", 7).field("y", 7).field("z", 7).field("i", 7).done(1, 1);
   message.fields[3].count = 0;
@@ -180,6 +190,16 @@ TEST(CameraFromMessage, RegionAndBinningMoveThePixels) {
   EXPECT_DOUBLE_EQ(binned.fy * y + binned.cy, 40);
   info.roi.width = 600;
   EXPECT_REFUSED(cameraFromMessage(info, false), "roi");
+}
+
+TEST(CameraFromMessage, NumbersThatAreNoSizesOfImagesAreRefused) {
+  sensor_msgs::CameraInfo info = infoMessage(4294967295U, 4294967295U);
+  EXPECT_REFUSED(cameraFromMessage(info, false), "4294967295 x 4294967295");
+  info.binning_x = info.binning_y = 4294967295U;
+  EXPECT_EQ(cameraFromMessage(info, false).intrinsics.width, 1);
+  info.binning_x = 5;
+  info.width = 4;
+  EXPECT_REFUSED(cameraFromMessage(info, false), "0 x 1");
 }
 
 TEST(CameraFromMessage, BadCalibrationIsRefused) {

@@ -41,7 +41,8 @@ struct CollectorParams {
   /// ppm, png or jpg, of raw images. ppm is the default because OpenCV 4.6 needs about 200 ms for a 1 Mpixel PNG (1.6
   /// ms for a PPM, 11 ms for a JPEG), and 20 such images may come in a second.
   std::string raw_image_format = "ppm";
-  int encode_threads = 1;  ///< threads that encode raw images
+  int encode_threads = 1;       ///< threads that encode raw images
+  double max_image_size = 200;  ///< Mpx; a camera_info with more is refused, before anything is allocated
   std::vector<CameraParams> cameras = std::vector<CameraParams>(1);
   RecordParams record;  ///< keyframe distance and angle
 
@@ -55,10 +56,12 @@ enum class Outcome {
   kNoTransform,
   kNoCameraInfo,
   kBadCameraInfo,
+  kTooLarge,
   kSizeMismatch,
   kUndecodable,
   kMalformed,
   kNoStamp,
+  kBadStamp,
   kTimeJump,
   kOverflow,
   kNumOutcomes
@@ -78,6 +81,7 @@ struct CollectorStats {
   std::vector<StreamStats> cameras;
   Recorder::InsertCounts points;
   std::size_t time_jumps = 0;
+  std::size_t bad_transforms = 0;  ///< with a stamp that is out of range
   std::string last_tf_error;
 
   std::string describe() const;  ///< one line a topic: "camera_0: 154 received, 120 kept, 34 not a keyframe"

@@ -42,6 +42,7 @@ void visitCollectorParams(CollectorParamsT& p, F&& f) {
   f("raw_image_format", p.raw_image_format,
     "ppm (fast), png (half the size, slow) or jpg (small, lossy): how raw images are kept");
   f("encode_threads", p.encode_threads, "threads that encode raw images");
+  f("max_image_size", p.max_image_size, "Mpx; larger images are refused, as damaged messages claim any size");
   for (std::size_t i = 0; i < p.cameras.size(); ++i) {
     const std::string prefix = "camera_" + std::to_string(i) + "/";
     auto& camera = p.cameras[i];

@@ -217,8 +217,8 @@ void Camera::boundFieldOfView() {
     side = {std::min(side[0], x), std::max(side[1], x), std::min(side[2], y), std::max(side[3], y)};
   };
   for (int i = 0; i <= kSamples; ++i) {
-    const double u = -0.5 + i * intrinsics_.width / double(kSamples);
-    const double v = -0.5 + i * intrinsics_.height / double(kSamples);
+    const double u = -0.5 + double(i) * intrinsics_.width / kSamples;
+    const double v = -0.5 + double(i) * intrinsics_.height / kSamples;
     visit(u, -0.5), visit(u, intrinsics_.height - 0.5), visit(-0.5, v), visit(intrinsics_.width - 0.5, v);
   }
   if (!whole) side = {-limit, limit, -limit, limit};

@@ -180,6 +180,19 @@ TEST(Camera, MayShowKeepsADiscThatReachesIntoTheImage) {
   }
 }
 
+/// Its width times the samples of its border is no int; UBSan tells.
+TEST(Camera, LargestImageKeepsItsFieldOfView) {
+  Intrinsics intrinsics;
+  intrinsics.width = intrinsics.height = 2000000000;
+  intrinsics.fx = intrinsics.fy = intrinsics.cx = intrinsics.cy = 1e9;
+  const Camera camera(intrinsics);
+  for (const float x : {-0.99F, 0.F, 0.99F}) {
+    EXPECT_TRUE(camera.mayShow({x, 0, 1}, 0)) << x;
+    EXPECT_TRUE(camera.mayShow({0, x, 1}, 0)) << x;
+  }
+  EXPECT_FALSE(camera.mayShow({1.1F, 0, 1}, 0));
+}
+
 TEST(Camera, NumbersThatAreNotFiniteProjectNowhere) {
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
   for (const auto& intrinsics : someCameras()) {
