@@ -176,8 +176,13 @@ int runScore(int argc, char** argv) {
   spec.options = {{"truth", "FILE", "coloured cloud, .ply or .pcd", true},
                   {"result", "FILE", "coloured cloud; points with view_count 0 do not count", true},
                   {"max-distance", "M", "of points that are compared (0.1)"}};
-  return runMain(argc, argv, spec, [](const CommandLine& line, const Callbacks&) {
-    const ColoredCloud truth = readColoredCloud(line.option("truth")), result = readColoredCloud(line.option("result"));
+  return runMain(argc, argv, spec, [](const CommandLine& line, const Callbacks& callbacks) {
+    const auto read = [&](const std::string& path) {
+      ColoredCloud cloud = readColoredCloud(path);
+      if (!cloud.note.empty()) callbacks.log(LogLevel::kInfo, path + ": " + cloud.note);
+      return cloud;
+    };
+    const ColoredCloud truth = read(line.option("truth")), result = read(line.option("result"));
     const Eigen::Vector3d origin = truth.positions.col(0);  // float has half-metre steps at UTM coordinates
     const Score score = scoreClouds(relative(truth.positions, origin), truth.colors, relative(result.positions, origin),
                                     result.colors, numberOption(line, "max-distance", 0.1));

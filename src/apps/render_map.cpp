@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// render_map MAP.ply [MAP2.ply ...] --output picture.png: pictures of coloured maps, side by side.
-#include <cstring>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
 #include "apps/command_line.hpp"
+#include "base/columns.hpp"
 #include "base/file_io.hpp"
+#include "cloud/cloud_colors.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "cloud_colorizer/picture/picture.hpp"
@@ -34,79 +35,80 @@ std::vector<double> parseNumbers(const std::string& option, const std::string& t
   return numbers;
 }
 
-/// Where the value of a field starts in a record.
-std::size_t fieldOffset(const std::string& path, const std::vector<Field>& fields, const std::string& name) {
-  std::size_t offset = 0;
-  std::string known;
-  for (const Field& field : fields) {
-    if (field.name == name) return offset;
-    offset += sizeOf(field.type) * field.count;
-    known += " " + field.name;
-  }
-  throw std::runtime_error(path + " has no field " + name + "; it has:" + known);
+/// Calls visit(cloud) for one block of the file after another.
+template <class Visit>
+void forEachBlock(const std::string& path, const Visit& visit) {
+  CloudReader reader(path);
+  for (Cloud block = reader.read(kBlock); block.positions.cols() > 0; block = reader.read(kBlock)) visit(block);
 }
 
-/// Colours of a block: a packed rgb, separate red, green and blue, or a number shown on a scale.
-class Colorist {
- public:
-  Colorist(const std::string& path, const std::vector<Field>& fields, const std::string& name, float high)
-      : record_(recordSize(fields)), high_(high) {
-    for (const Field& field : fields) separate_ = separate_ || field.name == "red";
-    separate_ = separate_ && name == "rgb";
-    packed_ = name == "rgb" && !separate_;
-    offset_ = fieldOffset(path, fields, separate_ ? "red" : name);
-    for (const Field& field : fields) whole_ = whole_ || (field.name == name && field.type == FieldType::kUint16);
-  }
+using Colorist = std::function<Values(const Cloud&)>;
 
-  Values operator()(const Cloud& cloud) const {
-    const Eigen::Index count = cloud.positions.cols();
-    Values colors(3, count);
-    Eigen::VectorXf numbers(count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const std::uint8_t* value = cloud.records.data() + static_cast<std::size_t>(i) * record_ + offset_;
-      if (separate_) {
-        colors.col(i) << value[0], value[1], value[2];
-      } else if (packed_) {
-        colors.col(i) << value[2], value[1], value[0];
-      } else {
-        numbers[i] = readNumber(value);
-      }
+/// The colours of a map, on the scale that the largest of them tells.
+Colorist colorsOf(const std::string& path, const Callbacks& callbacks) {
+  const CloudColors fields(CloudReader(path).fields(), path);
+  if (fields.isBytes()) return [=](const Cloud& cloud) { return fields.read(cloud); };
+  float largest = 0;
+  forEachBlock(path, [&](const Cloud& block) { largest = std::max(largest, fields.read(block).maxCoeff()); });
+  const std::string note = fields.describe(largest);
+  if (!note.empty()) callbacks.log(LogLevel::kInfo, path + ": " + note);
+  return [fields, scale = fields.scale(largest)](const Cloud& cloud) -> Values { return fields.read(cloud) * scale; };
+}
+
+/// The numbers of another field on a scale of colours. Whole numbers begin at 1: a view_count of 0 is no colour.
+Colorist numbersOf(const std::string& path, const std::string& name, float high) {
+  const std::vector<Field> fields = CloudReader(path).fields();
+  const auto found = findField(fields, name);
+  std::string known;
+  for (const Field& field : fields) known += " " + field.name;
+  require(found.has_value(), path, " has no field ", name, "; it has:", known);
+  const FieldType type = found->field.type;
+  const float low = type == FieldType::kFloat32 || type == FieldType::kFloat64 ? 0 : 1;
+  return [=, offset = found->offset, size = recordSize(fields)](const Cloud& cloud) {
+    Eigen::VectorXf numbers(cloud.positions.cols());
+    for (Eigen::Index i = 0; i < numbers.size(); ++i) {
+      const std::uint8_t* record = cloud.records.data() + static_cast<std::size_t>(i) * size;
+      numbers[i] = static_cast<float>(numberAt(record + offset, type));
     }
-    return separate_ || packed_ ? colors : colorScale(numbers, whole_ ? 1.F : 0.F, high_);
+    return colorScale(numbers, low, high);
+  };
+}
+
+/// The points that are somewhere: a map may hold NaN where a ray met nothing.
+std::vector<Eigen::Index> finiteOf(const Cloud& cloud) {
+  std::vector<Eigen::Index> finite;
+  for (Eigen::Index i = 0; i < cloud.positions.cols(); ++i) {
+    if (cloud.positions.col(i).allFinite()) finite.push_back(i);
   }
+  return finite;
+}
 
- private:
-  float readNumber(const std::uint8_t* value) const {
-    std::uint16_t whole = 0;
-    float number = 0;
-    std::memcpy(&whole, value, sizeof(whole));
-    if (!whole_) std::memcpy(&number, value, sizeof(number));
-    return whole_ ? static_cast<float>(whole) : number;
-  }
-
-  std::size_t record_ = 0, offset_ = 0;
-  float high_;
-  bool separate_ = false, packed_ = false, whole_ = false;
-};
-
-ColoredPoints mapSource(const std::string& path, const std::string& field, float high, const Eigen::Vector3d& origin) {
+ColoredPoints mapSource(const std::string& path, const Colorist& colorist, const Eigen::Vector3d& origin) {
   return [=](const std::function<void(PointsRef, ValuesRef)>& visit) {
-    CloudReader reader(path);
-    const Colorist colorist(path, reader.fields(), field, high);
-    for (Cloud block = reader.read(kBlock); block.positions.cols() > 0; block = reader.read(kBlock)) {
-      visit((block.positions.colwise() - origin).cast<float>(), colorist(block));
-    }
+    forEachBlock(path, [&](const Cloud& block) {
+      const std::vector<Eigen::Index> finite = finiteOf(block);
+      const Points points = (block.positions.colwise() - origin).cast<float>();
+      visit(gatherColumns(points, finite), gatherColumns(colorist(block), finite));
+    });
   };
 }
 
 Eigen::AlignedBox3d boundsOf(const std::string& path) {
-  CloudReader reader(path);
   Eigen::AlignedBox3d box;
-  for (Cloud block = reader.read(kBlock); block.positions.cols() > 0; block = reader.read(kBlock)) {
-    box.extend(block.positions.rowwise().minCoeff()).extend(block.positions.rowwise().maxCoeff());
-  }
-  require(!box.isEmpty(), path, " has no points");
+  forEachBlock(path, [&](const Cloud& block) {
+    for (const Eigen::Index i : finiteOf(block)) box.extend(block.positions.col(i));
+  });
+  require(!box.isEmpty(), path, " has no points at finite positions");
   return box;
+}
+
+/// A place above the middle, high enough to see it all.
+Eigen::Vector3d eyeAbove(const Eigen::AlignedBox3d& bounds, const Eigen::Vector3d& up, const PictureParams& params) {
+  const auto extent = [&](const Eigen::Vector3d& direction) { return direction.cwiseAbs().dot(bounds.sizes()); };
+  const Eigen::Matrix3d axes = lookAt(up, Eigen::Vector3d::Zero(), up).linear();
+  const double half_width = 0.5 * std::max(extent(axes.col(1)) * params.width / params.height, extent(axes.col(0)));
+  const double distance = half_width / std::tan(params.field_of_view * M_PI / 360);
+  return bounds.center() + (0.5 * extent(up) + distance) * up;
 }
 
 void render(const CommandLine& line, const Callbacks& callbacks) {
@@ -117,23 +119,24 @@ void render(const CommandLine& line, const Callbacks& callbacks) {
   params.field_of_view = parseNumbers("fov", line.option("fov", "70"), 1, ',')[0];
   params.point_size = parseNumbers("point-size", line.option("point-size", "0.07"), 1, ',')[0];
   params.check();
-  const double high = parseNumbers("high", line.option("high", "20"), 1, ',')[0];
+  const auto high = static_cast<float>(parseNumbers("high", line.option("high", "20"), 1, ',')[0]);
+  const auto vector = [&](const char* name, const Eigen::Vector3d& otherwise) -> Eigen::Vector3d {
+    return line.has(name) ? Eigen::Vector3d(parseNumbers(name, line.option(name), 3, ',').data()) : otherwise;
+  };
+  const Eigen::Vector3d up = vector("up", Eigen::Vector3d::UnitZ());
+  require<UsageError>(up.norm() > 0, "--up ", line.option("up"), ": the direction has no length");
 
   const Eigen::AlignedBox3d bounds = boundsOf(line.positionals[0]);
   const Eigen::Vector3d origin = bounds.center();
-  // Without a place to stand: from above, high enough to see it all.
-  const double half_width = 0.5 * std::max(bounds.sizes().x() * params.width / params.height, bounds.sizes().y());
-  Eigen::Vector3d target = origin;
-  Eigen::Vector3d eye = origin;
-  eye.z() = bounds.max().z() + half_width / std::tan(params.field_of_view * M_PI / 360);
-  if (line.has("eye")) eye = Eigen::Vector3d(parseNumbers("eye", line.option("eye"), 3, ',').data());
-  if (line.has("target")) target = Eigen::Vector3d(parseNumbers("target", line.option("target"), 3, ',').data());
+  const Eigen::Vector3d eye = vector("eye", eyeAbove(bounds, up.normalized(), params)) - origin;
+  const Eigen::Vector3d target = vector("target", origin) - origin;
 
+  const std::string field = line.option("field", "rgb");
   std::vector<cv::Mat> pictures;
   std::vector<std::string> captions;
   for (const std::string& path : line.positionals) {
-    const auto source = mapSource(path, line.option("field", "rgb"), static_cast<float>(high), origin);
-    pictures.push_back(drawPicture(source, lookAt(eye - origin, target - origin), params));
+    const Colorist colorist = field == "rgb" ? colorsOf(path, callbacks) : numbersOf(path, field, high);
+    pictures.push_back(drawPicture(mapSource(path, colorist, origin), lookAt(eye, target, up), params));
     captions.push_back(std::filesystem::path(path).stem().string());
   }
   const cv::Mat picture = pictures.size() == 1 ? pictures[0] : besideEachOther(pictures, captions);
@@ -157,6 +160,7 @@ int main(int argc, char** argv) {
   spec.options = {{"output", "FILE", "the picture, .png or .jpg", true},
                   {"eye", "X,Y,Z", "m, where to look from; default: above, high enough to see all", false},
                   {"target", "X,Y,Z", "m, where to look to; default: the centre", false},
+                  {"up", "X,Y,Z", "what is upwards; default 0,0,1 (0,-1,0 in the frame of a camera)", false},
                   {"fov", "DEG", "horizontal field of view; default 70", false},
                   {"size", "WxH", "px of one picture; default 960x540", false},
                   {"point-size", "M", "diameter of a point; default 0.07", false},

@@ -15,10 +15,11 @@ struct ColoredCloud {
   Eigen::Matrix3Xd positions;        ///< 3 x n, m
   Values colors;                     ///< 3 x n
   std::vector<std::uint16_t> count;  ///< n, views of a point; 1 where the cloud does not tell
+  std::string note;                  ///< how the colours were brought to 0 to 255, if they were not
 };
 
-/// From a field rgb (packed, as PCL has it) or from red, green and blue; view_count where there is one. Throws
-/// std::runtime_error, naming `source`, when there are no colours.
+/// The colours as CloudColors finds them; view_count where there is one. Throws std::runtime_error, naming `source`,
+/// when there are no colours.
 ColoredCloud coloredCloud(const Cloud& cloud, const std::string& source);
 
 /// Reads a .ply or .pcd. Points without a finite position or with view_count 0 are left out.

@@ -22,9 +22,11 @@ struct PictureParams {
   void check() const;  ///< throws std::invalid_argument
 };
 
-/// Pose of a camera at `eye` that looks at `target` with +z of the map upwards in the picture (+x when it looks
-/// straight down or up). Throws std::invalid_argument where the two are the same point.
-Eigen::Isometry3d lookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target);
+/// Pose of a camera at `eye` that looks at `target` with `up` upwards in the picture (the axis most across to it, +x
+/// before +y before +z, when it looks straight down or up). Throws std::invalid_argument where the two are the same
+/// point.
+Eigen::Isometry3d lookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
+                         const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
 
 /// A source of points and their colours (3 x n each, RGB 0 to 255); calls back for each block, the same every time.
 using ColoredPoints = std::function<void(const std::function<void(PointsRef, ValuesRef)>&)>;

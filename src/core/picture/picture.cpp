@@ -118,12 +118,15 @@ void PictureParams::check() const {
   requireInRange("point_size", point_size, 1e-6, 1e6);
 }
 
-Eigen::Isometry3d lookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
+Eigen::Isometry3d lookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, const Eigen::Vector3d& up) {
   const Eigen::Vector3d forward = target - eye;
   require<std::invalid_argument>(forward.norm() > 1e-9, "eye and target are the same point");
+  require<std::invalid_argument>(up.norm() > 1e-9 && up.allFinite(), "the direction up has no length");
   const Eigen::Vector3d z = forward.normalized();
-  const Eigen::Vector3d up = std::abs(z.z()) > 0.999 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d x = z.cross(up).normalized();
+  const bool is_along_up = std::abs(z.dot(up.normalized())) > 0.999;
+  Eigen::Index across = 0;
+  up.cwiseAbs().minCoeff(&across);
+  const Eigen::Vector3d x = z.cross(is_along_up ? Eigen::Vector3d::Unit(across) : up.normalized()).normalized();
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() << x, z.cross(x), z;
   pose.translation() = eye;

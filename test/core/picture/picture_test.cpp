@@ -36,6 +36,14 @@ TEST(Picture, LookAtMakesAnOpticalFrameWithTheSkyAbove) {
   EXPECT_TRUE(lookAt({0, 0, 5}, {0, 0, 0}).matrix().allFinite());
 }
 
+TEST(Picture, LookAtTakesAnotherDirectionUpwards) {
+  const Eigen::Vector3d forward = Eigen::Vector3d::UnitZ(), up = -2 * Eigen::Vector3d::UnitY();  // a camera's own frame
+  EXPECT_TRUE(lookAt(Eigen::Vector3d::Zero(), forward, up).isApprox(Eigen::Isometry3d::Identity()));
+  EXPECT_TRUE(lookAt(Eigen::Vector3d::Zero(), up, up).matrix().allFinite());
+  EXPECT_TRUE(lookAt({0, 0, 5}, {0, 0, 0}).linear().col(1).isApprox(-Eigen::Vector3d::UnitX()));
+  EXPECT_THROW(lookAt(Eigen::Vector3d::Zero(), forward, Eigen::Vector3d::Zero()), std::invalid_argument);
+}
+
 TEST(Picture, NothingShowsTheBackground) {
   const cv::Mat picture = drawPicture(pointsAhead({}, Values(3, 0)), kAlongX, smallPicture());
   ASSERT_EQ(picture.size(), cv::Size(64, 48));
