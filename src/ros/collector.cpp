@@ -8,7 +8,6 @@
 #include <tf2_eigen/tf2_eigen.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <deque>
 #include <limits>
@@ -19,6 +18,7 @@
 
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
+#include "ros/node_log.hpp"
 #include "ros/view_writer.hpp"
 
 namespace cloud_colorizer {
@@ -26,7 +26,6 @@ namespace {
 
 constexpr double kJumpBack = 1;            // s; a stream whose stamps step back by more was restarted
 constexpr std::size_t kMaxPending = 2000;  // messages of a topic; a guard for stamps that stand still
-constexpr std::chrono::seconds kWarnPeriod(10);
 
 /// tf and time offsets add up to a day to a stamp, which ros::Time then may not hold.
 constexpr std::uint32_t kLastSecond = std::numeric_limits<std::uint32_t>::max() - 2 * 86400;
@@ -123,16 +122,8 @@ struct Collector::Impl {
 
   void warn(const std::string& stream, const char* kind, const std::string& text) {
     if (!events.log) return;
-    Throttle& throttle = throttles[stream + kind];
-    const auto now = std::chrono::steady_clock::now();
-    if (throttle.used && now - throttle.last < kWarnPeriod) {
-      ++throttle.left_out;
-      return;
-    }
-    std::string suffix;
-    if (throttle.left_out > 0) suffix = " (and " + std::to_string(throttle.left_out) + " more like this)";
-    throttle = {true, 0, now};
-    events.log(LogLevel::kWarning, stream + ": " + text + suffix);
+    const auto suffix = throttle.pass(stream + kind);
+    if (suffix) events.log(LogLevel::kWarning, stream + ": " + text + *suffix);
   }
 
   void count(const std::string& stream, StreamStats& of, const Refused& refused) {
@@ -246,10 +237,10 @@ struct Collector::Impl {
   void takeCameraInfo(CameraState& camera, const sensor_msgs::CameraInfoConstPtr& message) {
     if (camera.info && sameCamera(*camera.info, *message)) return;
     camera.info = message;
-    readCameraInfo(camera);
+    readCameraInfo(camera, *recorder);
   }
 
-  void readCameraInfo(CameraState& camera) {
+  void readCameraInfo(CameraState& camera, Recorder& into) {
     camera.id.reset();
     camera.info_error.outcome = Outcome::kBadCameraInfo;
     try {
@@ -269,8 +260,8 @@ struct Collector::Impl {
       camera.info_error.reason = error.what();
       return;
     }
-    camera.id = recorder->setCamera(camera.name, camera.intrinsics);
-    if (!camera.mask.empty()) recorder->setMask(*camera.id, camera.mask);
+    camera.id = into.setCamera(camera.name, camera.intrinsics);
+    if (!camera.mask.empty()) into.setMask(*camera.id, camera.mask);
   }
 
   bool isKeyframe(const CameraState& camera, const Isometry& pose) const {
@@ -393,12 +384,6 @@ struct Collector::Impl {
     count(stream, of, {Outcome::kOverflow, "too many messages wait for their transforms"});
   }
 
-  struct Throttle {
-    bool used = false;
-    std::size_t left_out = 0;
-    std::chrono::steady_clock::time_point last;
-  };
-
   Recorder* recorder;
   CollectorParams params;
   CollectorEvents events;
@@ -408,7 +393,7 @@ struct Collector::Impl {
   std::vector<CameraState> cameras;
   std::deque<sensor_msgs::PointCloud2ConstPtr> clouds;
   std::map<std::string, double> last_stamps;
-  std::map<std::string, Throttle> throttles;
+  LineThrottle throttle;
   double newest = 0;  ///< s, of all clouds and images since time last jumped
   bool giving_up = false;
   ViewWriter writer;
@@ -455,14 +440,16 @@ void Collector::addImage(std::size_t camera, const sensor_msgs::CompressedImageC
 }
 
 void Collector::useRecorder(Recorder& recorder) {
-  impl_->writer.writeAll(*impl_->recorder);
+  auto cameras = impl_->cameras;  // a copy, as the new recording's disk may be full
+  for (CameraState& camera : cameras) {
+    camera.last_kept.reset();
+    if (camera.info) impl_->readCameraInfo(camera, recorder);
+  }
+  impl_->writer.clear();
   impl_->recorder = &recorder;
+  impl_->cameras = std::move(cameras);
   impl_->stats = {};
   impl_->stats.cameras.resize(impl_->cameras.size());
-  for (CameraState& camera : impl_->cameras) {
-    camera.last_kept.reset();
-    if (camera.info) impl_->readCameraInfo(camera);
-  }
   impl_->restoreKeyframes();
 }
 
@@ -470,10 +457,14 @@ void Collector::process() {
   impl_->process();
 }
 
+void Collector::drain() {
+  impl_->writer.writeAll(*impl_->recorder);
+}
+
 void Collector::finish() {
   impl_->giving_up = true;
   impl_->process();
-  impl_->writer.writeAll(*impl_->recorder);
+  drain();
   impl_->giving_up = false;
 }
 

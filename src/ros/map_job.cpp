@@ -7,6 +7,7 @@
 
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/map/colorize.hpp"
+#include "ros/node_log.hpp"
 
 namespace cloud_colorizer {
 
@@ -61,43 +62,38 @@ JobResult MapJob::run(const std::string& what, const std::function<std::string(c
   return result;
 }
 
-JobResult MapJob::colorize(const std::function<Recording()>& snapshot, const Aborted& aborted) {
+std::string MapJob::color(const Recording& recording, const Callbacks& callbacks) {
+  const ColorizeSummary summary = cloud_colorizer::colorize(recording, params_, callbacks);
+  {
+    const std::lock_guard<std::mutex> lock(state_mutex_);
+    status_.num_colored = summary.num_colored;
+    colored_ = recording;
+  }
+  publish_(recording, params_);
+  return summary.describe();
+}
+
+/// A recording only grows.
+bool MapJob::isColored(const Recording& recording) const {
+  const std::lock_guard<std::mutex> lock(state_mutex_);
+  return colored_ && colored_->numPoints() == recording.numPoints() &&
+         colored_->views().size() == recording.views().size();
+}
+
+JobResult MapJob::colorize(const Snapshot& snapshot, const Aborted& aborted) {
+  return run(
+      "colour", [&](const Callbacks& callbacks) { return color(snapshot(), callbacks); }, aborted);
+}
+
+JobResult MapJob::save(const Snapshot& snapshot, const std::function<std::string()>& path, const Aborted& aborted) {
   const auto job = [&](const Callbacks& callbacks) {
     const Recording recording = snapshot();
-    const ColorizeSummary summary = cloud_colorizer::colorize(recording, params_.core, callbacks);
-    {
-      const std::lock_guard<std::mutex> lock(state_mutex_);
-      status_.num_colored = summary.num_colored;
-      colored_ = recording;
-    }
-    output_.publishMap(recording, params_.core);
-    return summary.describe();
-  };
-  return run("colour", job, aborted);
-}
-
-JobResult MapJob::save(const std::string& path, const Aborted& aborted) {
-  const auto job = [&](const Callbacks& callbacks) {
-    std::optional<Recording> recording;
-    {
-      const std::lock_guard<std::mutex> lock(state_mutex_);
-      recording = colored_;
-    }
-    require(recording.has_value(), "there is no coloured map yet; call ~colorize");
-    const std::size_t num_points = saveColored(*recording, params_.core, path, callbacks);
-    return std::to_string(num_points) + " points written to " + path;
+    if (!isColored(recording)) ROS_INFO_STREAM(color(recording, callbacks));
+    const std::string file = path();
+    const std::size_t num_points = saveColored(recording, params_, file, callbacks);
+    return std::to_string(num_points) + " points written to " + file;
   };
   return run("save", job, aborted);
-}
-
-bool MapJob::hasMap() const {
-  const std::lock_guard<std::mutex> lock(state_mutex_);
-  return colored_.has_value();
-}
-
-std::size_t MapJob::numColored() const {
-  const std::lock_guard<std::mutex> lock(state_mutex_);
-  return status_.num_colored;
 }
 
 JobStatus MapJob::status() const {

@@ -9,8 +9,9 @@
 #include <optional>
 #include <string>
 
+#include "cloud_colorizer/base/types.hpp"
+#include "cloud_colorizer/map/params.hpp"
 #include "cloud_colorizer/recording/recording.hpp"
-#include "ros/node_output.hpp"
 
 namespace cloud_colorizer {
 
@@ -19,31 +20,44 @@ struct JobResult {
   std::string message;
 };
 
+/// What is known about colouring.
+struct JobStatus {
+  bool running = false;
+  Progress progress;
+  std::size_t num_colored = 0;
+  std::string message;  ///< result of the last job
+};
+
 class MapJob {
  public:
   using Aborted = std::function<bool()>;
+  using Snapshot = std::function<Recording()>;
+  /// Gets every map that was coloured.
+  using Publish = std::function<void(const Recording&, const Params&)>;
 
-  MapJob(const AllParams& params, NodeOutput& output) : params_(params), output_(output) {}
+  MapJob(const Params& params, Publish publish) : params_(params), publish_(std::move(publish)) {}
 
   /// Colours what `snapshot` returns, and publishes it.
-  JobResult colorize(const std::function<Recording()>& snapshot, const Aborted& aborted);
-  /// Saves what was coloured last.
-  JobResult save(const std::string& path, const Aborted& aborted);
+  JobResult colorize(const Snapshot& snapshot, const Aborted& aborted);
+  /// The same, where there is something new since the last map; then saves it. `path` is called just before the map is
+  /// written, and gives the file's name or throws.
+  JobResult save(const Snapshot& snapshot, const std::function<std::string()>& path, const Aborted& aborted);
 
-  bool hasMap() const;
-  std::size_t numColored() const;
   JobStatus status() const;
   /// Keeps jobs away while the result lives; empty while one is running.
   std::optional<std::unique_lock<std::mutex>> reserve();
   void forget();  ///< there is no map any more
 
  private:
-  JobResult run(const std::string& what, const std::function<std::string(const Callbacks&)>& job,
-                const Aborted& aborted);
+  using Job = std::function<std::string(const Callbacks&)>;
+
+  JobResult run(const std::string& what, const Job& job, const Aborted& aborted);
+  std::string color(const Recording& recording, const Callbacks& callbacks);
+  bool isColored(const Recording& recording) const;
   Callbacks callbacks(const Aborted& aborted);
 
-  const AllParams& params_;
-  NodeOutput& output_;
+  const Params params_;
+  const Publish publish_;
   std::mutex job_mutex_;            ///< held by the running job
   mutable std::mutex state_mutex_;  ///< what follows
   JobStatus status_;

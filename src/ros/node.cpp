@@ -5,27 +5,22 @@
 
 #include <cloud_colorizer/SaveMap.h>
 #include <image_transport/image_transport.h>
-#include <nav_msgs/Path.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <std_srvs/Trigger.h>
-#include <tf2_eigen/tf2_eigen.h>
 
-#include <algorithm>
 #include <atomic>
-#include <deque>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
-#include <optional>
-#include <thread>
+#include <future>
 
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
-#include "cloud_colorizer/ros/conversions.hpp"
-#include "ros/inbox.hpp"
+#include "ros/live_preview.hpp"
 #include "ros/map_job.hpp"
+#include "ros/node_log.hpp"
 #include "ros/node_output.hpp"
-#include "ros/preview.hpp"
+#include "ros/recording_session.hpp"
+#include "ros/save_place.hpp"
 #include "ros/topic_monitor.hpp"
 
 namespace cloud_colorizer {
@@ -33,15 +28,6 @@ namespace {
 
 constexpr std::chrono::seconds kSilence(5);
 constexpr std::size_t kMaxTransforms = 100000;  // tf messages that wait to be recorded
-constexpr std::size_t kMaxPathPoses = 100000;
-
-/// The newest view of a camera, for the preview.
-struct NewestView {
-  View view;
-  Intrinsics intrinsics;
-  SharedBytes bytes;
-  bool used = false;
-};
 
 }  // namespace
 
@@ -51,29 +37,32 @@ struct ColorizerNode::Impl {
         private_node(private_node_in),
         sensor_node(node_in),
         params(params_in),
-        directory(resolveRecordingDirectory(params.node.recording_dir)),
         output(node_in, private_node_in, params.node),
-        preview(params.node.preview_voxel_size, static_cast<std::size_t>(params.node.max_preview_points)),
-        newest_views(params.node.collector.cameras.size()),
-        job(params, output),
+        preview(params, output, errors),
+        job(params.core, [this](const Recording& map, const Params& core) { output.publishMap(map, core); }),
+        session(resolveRecordingDirectory(params.node.recording_dir), params.node.collector, collectorEvents(), errors),
+        save_place(saveDirectory()),
         service_spinner(4, &service_queue),
         sensor_spinner(1, &sensor_queue) {
     if (!params.node.save_path.empty()) CloudWriter::checkPath(params.node.save_path);
     node.setCallbackQueue(&service_queue);
     private_node.setCallbackQueue(&service_queue);
     sensor_node.setCallbackQueue(&sensor_queue);
-    recorder = std::make_unique<Recorder>(directory, params.node.collector.map_frame, params.core.record);
-    collector = std::make_unique<Collector>(*recorder, params.node.collector, collectorEvents());
-    ROS_INFO_STREAM("recording into " << directory << " (" << recorder->numPoints() << " points and "
-                                      << recorder->numViews() << " views so far)");
+    const SessionState state = session.state();
+    ROS_INFO_STREAM("recording into " << session.directory() << " (" << state.points << " points and " << state.views
+                                      << " views so far)");
     subscribe();
     advertise();
-    recording_thread = std::thread([this] { recordMessages(); });
     service_spinner.start();
     sensor_spinner.start();
   }
 
   ~Impl() { stopRecording(); }
+
+  std::string saveDirectory() const {
+    if (!params.node.save_dir.empty()) return params.node.save_dir;
+    return std::filesystem::path(session.directory()).parent_path().string();
+  }
 
   // ---- messages in ----
 
@@ -86,16 +75,7 @@ struct ColorizerNode::Impl {
                                                                           const Add<Message>& add) {
     if (is_data) monitor.watch(name);
     return [this, add, is_data, name](const boost::shared_ptr<const Message>& message) {
-      if (is_data) monitor.count(name);
-      if (is_data && paused) return;
-      // Transforms are small and must not get lost.
-      const std::size_t limit = is_data ? static_cast<std::size_t>(params.node.queue_size) : kMaxTransforms;
-      if (inbox.push(name, limit, [add, message](Collector& to) { add(to, message); })) return;
-      monitor.countDropped(name);
-      ROS_WARN_STREAM_THROTTLE_NAMED(10, "dropped",
-                                     "recording is too slow: messages of "
-                                         << name << " are dropped; compress images, use a larger "
-                                         << "~voxel_size, or raise ~queue_size (see /diagnostics)");
+      errors.guard(name, [&] { take(name, is_data, [add, message](Collector& to) { add(to, message); }); });
     };
   }
 
@@ -105,6 +85,19 @@ struct ColorizerNode::Impl {
     subscribers.push_back(sensor_node.subscribe<Message>(topic, queue_size,
                                                          receiver<Message>(node.resolveName(topic), is_data, add),
                                                          ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
+  }
+
+  void take(const std::string& topic, bool is_data, Inbox::Task task) {
+    if (is_data) monitor.count(topic);
+    if (is_data && paused) return;
+    // Transforms are small and must not get lost.
+    const std::size_t limit = is_data ? static_cast<std::size_t>(params.node.queue_size) : kMaxTransforms;
+    if (session.push(topic, limit, std::move(task))) return;
+    monitor.countDropped(topic);
+    ROS_WARN_STREAM_THROTTLE_NAMED(10, "dropped",
+                                   "recording is too slow: messages of "
+                                       << topic << " are dropped; compress images, use a larger "
+                                       << "~voxel_size, or raise ~queue_size (see /diagnostics)");
   }
 
   void subscribe() {
@@ -147,160 +140,111 @@ struct ColorizerNode::Impl {
     }
   }
 
-  void recordMessages() {
-    while (!inbox.closed()) {
-      const auto task = inbox.pop(std::chrono::milliseconds(100));
-      const std::lock_guard<std::mutex> lock(recording_mutex);
-      try {
-        if (task) (*task)(*collector);
-        collector->process();
-      } catch (const std::exception& error) {
-        ROS_ERROR_STREAM_THROTTLE_NAMED(10, "recording", "recording: " << error.what());
-      }
-    }
-    const std::lock_guard<std::mutex> lock(recording_mutex);
-    try {
-      collector->finish();
-      recorder->flush();
-    } catch (const std::exception& error) {
-      ROS_ERROR_STREAM("recording: " << error.what());
-    }
-  }
-
   CollectorEvents collectorEvents() {
     CollectorEvents events;
-    events.log = [](LogLevel level, const std::string& text) { logLine(level, text); };
-    events.cloud_kept = [this](const Cloud& cloud, const Eigen::Isometry3d& map_from_sensor) {
-      if (params.node.preview_period <= 0) return;
-      const std::lock_guard<std::mutex> lock(preview_mutex);
-      preview.addCloud(cloud, map_from_sensor, params.core.record.min_range, params.core.record.max_range);
-      preview_changed = true;
-    };
+    events.log = logLine;
+    if (params.node.preview_period > 0) {
+      events.cloud_kept = [this](const Cloud& cloud, const Eigen::Isometry3d& map_from_sensor) {
+        preview.addCloud(cloud, map_from_sensor);
+      };
+    }
     events.view_kept = [this](std::size_t camera, const View& view, const Intrinsics& intrinsics,
-                              const SharedBytes& bytes) {
-      const std::lock_guard<std::mutex> lock(preview_mutex);
-      newest_views[camera] = {view, intrinsics, bytes, false};
-      if (camera != 0) return;
-      path.poses.emplace_back();
-      path.poses.back().header.stamp.fromSec(view.stamp);
-      path.poses.back().header.frame_id = params.node.collector.map_frame;
-      path.poses.back().pose = tf2::toMsg(view.map_from_camera);
-      if (path.poses.size() > kMaxPathPoses)
-        path.poses.erase(path.poses.begin(), path.poses.begin() + kMaxPathPoses / 10);
-    };
+                              const SharedBytes& bytes) { preview.addView(camera, view, intrinsics, bytes); };
     return events;
   }
 
-  void stopRecording() {
+  /// False when something was not recorded.
+  bool stopRecording() {
+    stopping = true;  // ends what a service call is doing; finished units of work are used again
     for (ros::Subscriber& subscriber : subscribers) subscriber.shutdown();
     for (image_transport::Subscriber& subscriber : image_subscribers) subscriber.shutdown();
     sensor_spinner.stop();
-    inbox.close();
-    if (recording_thread.joinable()) recording_thread.join();
+    const bool complete = session.stop();
     service_spinner.stop();
+    if (background.valid()) background.wait();
+    return complete;
   }
 
-  // ---- services and timers ----
+  // ---- services ----
 
   void advertise() {
-    services.push_back(private_node.advertiseService("colorize", &Impl::onColorize, this));
-    services.push_back(private_node.advertiseService("save_map", &Impl::onSaveMap, this));
-    services.push_back(private_node.advertiseService("reset", &Impl::onReset, this));
-    services.push_back(private_node.advertiseService("pause", &Impl::onPause, this));
-    services.push_back(private_node.advertiseService("resume", &Impl::onResume, this));
-    timers.push_back(node.createWallTimer(ros::WallDuration(1), [this](const auto&) { tick(); }));
-    if (params.node.preview_period > 0) {
-      timers.push_back(node.createWallTimer(ros::WallDuration(params.node.preview_period),
-                                            [this](const auto&) { publishPreview(); }));
-    }
+    using std_srvs::Trigger;
+    serve<Trigger>("colorize", [this](const auto&) { return colorizeNow(); });
+    serve<SaveMap>("save_map", [this](const SaveMap::Request& request) { return saveMap(request); });
+    serve<Trigger>("reset", [this](const auto&) { return reset(); });
+    serve<Trigger>("pause", [this](const auto&) { return setPaused(true); });
+    serve<Trigger>("resume", [this](const auto&) { return setPaused(false); });
+    repeat("status", 1, [this] {
+      warnOfSilence();
+      publishStatus();
+      colorizeAfterSilence();
+    });
+    if (params.node.preview_period > 0) repeat("preview", params.node.preview_period, [this] { publishPreview(); });
   }
 
-  Recording snapshot() {
-    const std::lock_guard<std::mutex> lock(recording_mutex);
-    collector->process();
-    return recorder->snapshot();
+  template <class Service>
+  void serve(const std::string& name, const std::function<JobResult(const typename Service::Request&)>& answer) {
+    const boost::function<bool(typename Service::Request&, typename Service::Response&)> callback =
+        [this, name, answer](auto& request, auto& response) {
+          JobResult result;
+          const auto error = errors.guard("~" + name, [&] { result = answer(request); });
+          response.success = !error && result.success;
+          response.message = error ? *error : result.message;
+          return true;
+        };
+    services.push_back(private_node.advertiseService(name, callback));
   }
 
-  std::string describeCounters() {
-    const std::lock_guard<std::mutex> lock(recording_mutex);
-    return collector->stats().describe();
+  void repeat(const std::string& name, double period, const std::function<void()>& action) {
+    timers.push_back(node.createWallTimer(ros::WallDuration(period),
+                                          [this, name, action](const auto&) { errors.guard(name, action); }));
   }
 
-  /// Colours what is recorded now. `aborted` may be empty.
-  JobResult colorizeNow(const std::function<bool()>& aborted) {
-    const auto newest = [this] {
-      const Recording recording = snapshot();
-      amount_when_colored = recording.numPoints() + recording.views().size();
-      return recording;
-    };
-    const JobResult result = job.colorize(newest, aborted);
-    if (!result.success || job.numColored() == 0) ROS_WARN_STREAM("what was received:\n" << describeCounters());
+  MapJob::Aborted whenStopping() {
+    return [this] { return stopping.load(); };
+  }
+
+  /// What the log says of a job that did not do what was hoped for.
+  JobResult explained(const JobResult& result) {
+    if (result.success && job.status().num_colored > 0) return result;
+    ROS_WARN_STREAM("what was received:\n" << session.state().stats.describe());
     return result;
   }
 
-  bool onColorize(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-    const JobResult result = colorizeNow([this] { return stopping.load(); });
-    response.success = result.success;
-    response.message = result.message;
-    return true;
+  JobResult colorizeNow() {
+    return explained(job.colorize([this] { return session.snapshot(); }, whenStopping()));
   }
 
-  bool onSaveMap(SaveMap::Request& request, SaveMap::Response& response) {
+  JobResult saveMap(const SaveMap::Request& request) {
+    std::string file;
+    const auto path = [&] { return file = save_place.resolve(request.path, request.overwrite != 0); };
     try {
-      CloudWriter::checkPath(request.path);
-    } catch (const std::exception& error) {
-      response.message = error.what();
-      return true;
+      path();  // before the work
+    } catch (const std::runtime_error& error) {
+      return {false, error.what()};
     }
-    JobResult result = {true, ""};
-    if (!job.hasMap()) result = colorizeNow([this] { return stopping.load(); });
-    if (result.success) result = job.save(request.path, [this] { return stopping.load(); });
-    response.success = result.success;
-    response.message = result.message;
-    return true;
+    const JobResult result = job.save([this] { return session.snapshot(); }, path, whenStopping());
+    if (result.success) save_place.own(file);
+    return explained(result);
   }
 
-  bool onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  JobResult reset() {
     const auto alone = job.reserve();
-    if (!alone) {
-      response.message = "the map is being coloured or saved; try again when that is done";
-      return true;
-    }
-    const std::lock_guard<std::mutex> lock(recording_mutex);
-    try {
-      recorder->flush();
-      const std::string kept = setAside(directory);
-      auto fresh = std::make_unique<Recorder>(directory, params.node.collector.map_frame, params.core.record);
-      collector->useRecorder(*fresh);
-      recorder = std::move(fresh);
-      known_origin.reset();
-      job.forget();
-      clearPreview();
-      response.success = true;
-      response.message = "a new recording begins in " + directory + "; the old one is kept in " + kept;
-    } catch (const std::exception& error) {
-      response.message = error.what();
-    }
-    ROS_INFO_STREAM("reset: " << response.message);
-    return true;
+    if (!alone) return {false, "the map is being coloured or saved; try again when that is done"};
+    const std::string kept = session.startAnew();
+    job.forget();
+    preview.clear();
+    const std::string old = kept.empty() ? "the old one was gone" : "the old one is kept in " + kept;
+    ROS_INFO_STREAM("reset: " << old);
+    return {true, "a new recording begins in " + session.directory() + "; " + old};
   }
 
-  bool onPause(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) { return setPaused(true, response); }
-  bool onResume(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-    return setPaused(false, response);
-  }
-  bool setPaused(bool value, std_srvs::Trigger::Response& response) {
+  JobResult setPaused(bool value) {
     const bool before = paused.exchange(value);
-    response.success = true;
-    response.message = std::string(before == value ? "already " : "") + (value ? "paused" : "recording");
-    return true;
+    return {true, std::string(before == value ? "already " : "") + (value ? "paused" : "recording")};
   }
 
-  void tick() {
-    warnOfSilence();
-    publishStatus();
-    colorizeAfterSilence();
-  }
+  // ---- timers ----
 
   void warnOfSilence() {
     if (paused) return;
@@ -310,93 +254,50 @@ struct ColorizerNode::Impl {
   }
 
   void publishStatus() {
-    RecordingState state;
-    {
-      const std::lock_guard<std::mutex> lock(recording_mutex);
-      state.points = recorder->numPoints();
-      state.views = recorder->numViews();
-      state.pending = collector->numPending();
-      state.stats = collector->stats();
-    }
+    NodeState state;
+    state.session = session.state();
     const double silence = monitor.secondsOfSilence();
     state.stage = paused ? "paused" : silence >= 0 && silence < 2 ? "recording" : "idle";
-    state.directory = directory;
+    if (!state.session.error.empty()) state.stage = "error";
+    state.directory = session.directory();
+    state.job = job.status();
     state.topics = monitor.report();
-    output.publishStatus(state, job.status());
+    state.errors = errors.rows();
+    output.publishStatus(state);
   }
 
+  /// In a thread of its own, as the timer's has the status to publish.
   void colorizeAfterSilence() {
     const double limit = params.node.colorize_after;
-    if (limit <= 0 || monitor.secondsOfSilence() < limit) return;
-    std::size_t amount = 0;
-    {
-      const std::lock_guard<std::mutex> lock(recording_mutex);
-      amount = recorder->numPoints() + recorder->numViews();
-    }
-    if (amount == 0 || amount == amount_when_colored) return;
+    if (limit <= 0 || stopping || monitor.secondsOfSilence() < limit) return;
+    if (background.valid() && background.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    const SessionState state = session.state();
+    const std::size_t amount = state.points + state.views;
+    if (amount == 0 || amount == tried_amount || !state.error.empty()) return;
+    tried_amount = amount;  // also where it fails: once more only after something new
     ROS_INFO_STREAM("no message for " << limit << " s: colouring the map");
-    colorizeNow([this] { return stopping.load(); });
-    amount_when_colored = amount;  // also where it failed: once more only after something new
-  }
-
-  // ---- preview ----
-
-  /// Fixed by the first point or view.
-  std::optional<Eigen::Vector3d> recordingOrigin() {
-    const std::lock_guard<std::mutex> lock(recording_mutex);
-    if (!known_origin && recorder->numPoints() + recorder->numViews() > 0) known_origin = recorder->snapshot().origin();
-    return known_origin;
+    background = std::async(std::launch::async, [this] { errors.guard("colorize_after", [this] { colorizeNow(); }); });
   }
 
   void publishPreview() {
-    const std::optional<Eigen::Vector3d> origin = recordingOrigin();
-    const std::lock_guard<std::mutex> lock(preview_mutex);
-    if (!preview_changed || !origin) return;
-    preview_changed = false;
-    for (NewestView& newest : newest_views) {
-      if (newest.used || !newest.bytes) continue;
-      newest.used = true;
-      const cv::Mat3b image = cv::imdecode(*newest.bytes, cv::IMREAD_REDUCED_COLOR_4);
-      if (image.empty()) continue;
-      preview.addView(Camera(newest.intrinsics), newest.view.map_from_camera, image,
-                      params.core.depth.max_view_distance);
-    }
-    output.publishPreview(preview.cloud(*origin), *origin);
-    output.publishPath(path);
-  }
-
-  void clearPreview() {
-    const std::lock_guard<std::mutex> lock(preview_mutex);
-    preview.clear();
-    path.poses.clear();
-    for (NewestView& newest : newest_views) newest = {};
-    preview_changed = true;
+    const auto origin = session.origin();
+    if (origin) preview.publish(*origin);
   }
 
   // Callback queues come before the handles and spinners that use them.
   ros::CallbackQueue service_queue, sensor_queue;
   ros::NodeHandle node, private_node, sensor_node;
   AllParams params;
-  std::string directory;
-
-  std::mutex recording_mutex;  ///< recorder, its origin, and collector
-  std::unique_ptr<Recorder> recorder;
-  std::optional<Eigen::Vector3d> known_origin;
-  std::unique_ptr<Collector> collector;
-  Inbox inbox;
+  ErrorLog errors;
   TopicMonitor monitor;
   std::atomic<bool> paused{false}, stopping{false};
-
   NodeOutput output;
-  std::mutex preview_mutex;  ///< what follows, up to `path`
-  RunningPreview preview;
-  bool preview_changed = false;
-  std::vector<NewestView> newest_views;
-  nav_msgs::Path path;
-
+  LivePreview preview;
   MapJob job;
-  std::atomic<std::size_t> amount_when_colored{0};  ///< points and views
-  std::thread recording_thread;
+  RecordingSession session;
+  SavePlace save_place;
+  std::future<void> background;  ///< colouring after silence; used by the status timer only
+  std::size_t tried_amount = 0;  ///< points and views that were coloured after silence
   std::vector<ros::Subscriber> subscribers;
   std::vector<image_transport::Subscriber> image_subscribers;
   std::vector<ros::ServiceServer> services;
@@ -408,25 +309,20 @@ ColorizerNode::ColorizerNode(const ros::NodeHandle& node, const ros::NodeHandle&
     : impl_(new Impl(node, private_node, params)) {}
 ColorizerNode::~ColorizerNode() = default;
 
-const std::string& ColorizerNode::recordingDirectory() const {
-  return impl_->directory;
-}
-
 bool ColorizerNode::finish(const std::function<bool()>& aborted) {
-  impl_->stopping = true;  // ends what a service call is doing; finished units of work are used again
-  impl_->stopRecording();
+  const bool complete = impl_->stopRecording();
   const std::string& path = impl_->params.node.save_path;
-  ROS_INFO_STREAM("the recording is in " << impl_->directory << "\n" << impl_->describeCounters());
-  if (path.empty()) return true;
+  const std::string& directory = impl_->session.directory();
+  ROS_INFO_STREAM("the recording is in " << directory << "\n" << impl_->session.state().stats.describe());
+  if (path.empty()) return complete;
   ROS_INFO_STREAM("colouring the map to save it to " << path << "; another Ctrl-C gives up");
-  JobResult result = impl_->colorizeNow(aborted);
-  if (result.success) result = impl_->job.save(path, aborted);
+  const JobResult result =
+      impl_->explained(impl_->job.save([this] { return impl_->session.snapshot(); }, [&] { return path; }, aborted));
   if (!result.success) {
     ROS_ERROR_STREAM("the map is not saved: " << result.message << ". Nothing recorded is lost; to go on: rosrun "
-                                              << "cloud_colorizer colorize " << impl_->directory << " --output "
-                                              << path);
+                                              << "cloud_colorizer colorize " << directory << " --output " << path);
   }
-  return result.success;
+  return complete && result.success;
 }
 
 }  // namespace cloud_colorizer

@@ -4,7 +4,8 @@
 /// The node: records topics, colours the recording when asked, publishes and saves the map.
 ///
 /// Threads: one takes messages (sensor queue) into an inbox, one records them, encoders compress raw images, four serve
-/// services and timers. Colouring runs in the thread of the service call while recording goes on.
+/// services and timers. Colouring runs in the thread of the service call, or after silence in one of its own, while
+/// recording goes on.
 #pragma once
 
 #include <ros/node_handle.h>
@@ -23,21 +24,14 @@ class ColorizerNode {
   ColorizerNode(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const AllParams& params);
   ~ColorizerNode();
 
-  const std::string& recordingDirectory() const;
-
   /// Stops recording; with ~save_path set the map is coloured and saved. `aborted` is polled: true gives up.
-  /// False when the map was asked for and is not there; what was recorded stays in any case.
+  /// False when something could not be recorded, or the map was asked for and is not there; what was recorded stays in
+  /// any case.
   bool finish(const std::function<bool()>& aborted);
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// `recording_dir`, or where it is empty a new directory $ROS_HOME/cloud_colorizer/<date and time> (ROS_HOME: ~/.ros).
-std::string resolveRecordingDirectory(const std::string& recording_dir);
-
-/// Renames a recording out of the way, to the same name with date and time; returns the new name.
-std::string setAside(const std::string& directory);
 
 }  // namespace cloud_colorizer

@@ -35,6 +35,17 @@ std::vector<Eigen::Index> everyKth(Eigen::Index count, std::size_t stride, std::
   return kept;
 }
 
+/// Of one topic: what became of its messages. Returns what is wrong, or nothing.
+std::string addStream(const std::string& name, const StreamStats& stream,
+                      diagnostic_updater::DiagnosticStatusWrapper& status) {
+  for (std::size_t i = 0; i < stream.outcomes.size(); ++i) {
+    if (stream.outcomes[i] > 0) status.add(name + " " + toString(static_cast<Outcome>(i)), stream.outcomes[i]);
+  }
+  if (!stream.last_error.empty()) status.add(name + " last error", stream.last_error);
+  const bool records = stream.received == 0 || stream.count(Outcome::kKept) > 0 || stream.last_error.empty();
+  return records ? "" : name + ": nothing recorded: " + stream.last_error;
+}
+
 }  // namespace
 
 void logLine(LogLevel level, const std::string& text) {
@@ -62,7 +73,7 @@ std::string NodeOutput::frameFor(const Eigen::Vector3d& origin) {
   const std::string& map_frame = params_.collector.map_frame;
   if (origin.isZero()) return map_frame;
   const std::string frame = map_frame + "_origin";
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<std::mutex> lock(frame_mutex_);
   if (announced_ && *announced_ == origin) return frame;
   geometry_msgs::TransformStamped transform;
   transform.header.stamp = ros::Time::now();
@@ -119,11 +130,12 @@ void NodeOutput::publishMap(const Recording& recording, const Params& params) {
   publishPreview(thinner.cloud(), recording.origin());
 }
 
-void NodeOutput::publishStatus(const RecordingState& recording, const JobStatus& job) {
+void NodeOutput::publishStatus(const NodeState& state) {
+  const JobStatus& job = state.job;
   ColorizeStatus status;
   status.header.stamp = ros::Time::now();
   status.header.frame_id = params_.collector.map_frame;
-  status.stage = job.running ? job.progress.stage : recording.stage;
+  status.stage = job.running ? job.progress.stage : state.stage;
   status.seconds_left = -1;
   if (job.running) {
     status.done = job.progress.done;
@@ -131,54 +143,51 @@ void NodeOutput::publishStatus(const RecordingState& recording, const JobStatus&
     status.points_per_second = job.progress.points_per_second;
     status.seconds_left = job.progress.seconds_left;
   }
-  status.points = recording.points;
-  status.views = recording.views;
+  status.points = state.session.points;
+  status.views = state.session.views;
   status.colored_points = job.num_colored;
-  status.message = job.message;
+  status.message = state.session.error.empty() ? job.message : state.session.error;
   status_.publish(status);
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    recording_ = recording;
-    job_ = job;
-  }
+  const std::lock_guard<std::mutex> lock(diagnostics_mutex_);
+  state_ = state;
   diagnostics_.update();
 }
 
 void NodeOutput::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  const std::lock_guard<std::mutex> lock(mutex_);
-  const CollectorStats& stats = recording_.stats;
+  const SessionState& session = state_.session;
   std::string trouble;
-  for (const auto& topic : recording_.topics) {
+  const auto notice = [&trouble](const std::string& text) {
+    if (!text.empty()) trouble = text;
+  };
+  for (const auto& topic : state_.topics) {
     status.add(topic.topic + " rate [Hz]", topic.rate);
     status.add(topic.topic + " messages", topic.messages);
-    if (topic.dropped > 0) {
-      status.add(topic.topic + " dropped", topic.dropped);
-      trouble = "messages were dropped: recording is too slow";
-    }
+    if (topic.dropped == 0) continue;
+    status.add(topic.topic + " dropped", topic.dropped);
+    notice("messages were dropped: recording is too slow");
   }
-  const auto addStream = [&](const std::string& name, const StreamStats& stream) {
-    for (std::size_t i = 0; i < stream.outcomes.size(); ++i) {
-      if (stream.outcomes[i] > 0) status.add(name + " " + toString(static_cast<Outcome>(i)), stream.outcomes[i]);
-    }
-    if (stream.received > 0 && stream.count(Outcome::kKept) == 0 && !stream.last_error.empty()) {
-      trouble = name + ": nothing recorded: " + stream.last_error;
-    }
-    if (!stream.last_error.empty()) status.add(name + " last error", stream.last_error);
-  };
-  addStream("clouds", stats.cloud);
-  for (std::size_t i = 0; i < stats.cameras.size(); ++i) addStream("camera_" + std::to_string(i), stats.cameras[i]);
-  status.add("last tf failure", stats.last_tf_error);
-  status.add("time jumps", stats.time_jumps);
-  status.add("waiting messages", recording_.pending);
-  status.add("points", recording_.points);
-  status.add("views", recording_.views);
-  status.add("colored points", job_.num_colored);
+  notice(addStream("clouds", session.stats.cloud, status));
+  for (std::size_t i = 0; i < session.stats.cameras.size(); ++i) {
+    notice(addStream("camera_" + std::to_string(i), session.stats.cameras[i], status));
+  }
+  for (const auto& [place, row] : state_.errors) {
+    status.add(place + " errors", row.count);
+    status.add(place + " last error", row.last);
+    notice(place + ": " + row.last);
+  }
+  status.add("last tf failure", session.stats.last_tf_error);
+  status.add("time jumps", session.stats.time_jumps);
+  status.add("waiting messages", session.pending);
+  status.add("points", session.points);
+  status.add("views", session.views);
+  status.add("colored points", state_.job.num_colored);
   status.add("memory [MB]", residentMegabytes());
-  status.add("recording", recording_.directory);
-  if (job_.running) status.add("colouring", job_.progress.stage);
-  const bool good = trouble.empty();
-  status.summary(good ? DiagnosticStatus::OK : DiagnosticStatus::WARN, good ? recording_.stage : trouble);
+  status.add("recording", state_.directory);
+  if (state_.job.running) status.add("colouring", state_.job.progress.stage);
+  status.summary(trouble.empty() ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
+                 trouble.empty() ? state_.stage : trouble);
+  if (!session.error.empty()) status.summary(DiagnosticStatus::ERROR, session.error);
 }
 
 }  // namespace cloud_colorizer

@@ -10,6 +10,7 @@
 #include <tf2_ros/static_transform_broadcaster.h>
 
 #include <Eigen/Core>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -17,35 +18,28 @@
 
 #include "cloud_colorizer/recording/recording.hpp"
 #include "cloud_colorizer/ros/params.hpp"
+#include "ros/map_job.hpp"
+#include "ros/node_log.hpp"
+#include "ros/recording_session.hpp"
 #include "ros/topic_monitor.hpp"
 
 namespace cloud_colorizer {
 
-/// A line of the core's log on the ROS console.
-void logLine(LogLevel level, const std::string& text);
-
-/// What is known about recording, for status and diagnostics.
-struct RecordingState {
-  std::string stage;  ///< idle, recording or paused
+/// What the node knows about itself, for status and diagnostics.
+struct NodeState {
+  std::string stage;  ///< idle, recording, paused or error
   std::string directory;
-  std::size_t points = 0, views = 0, pending = 0;
-  CollectorStats stats;
+  SessionState session;
+  JobStatus job;
   std::vector<TopicMonitor::Report> topics;
-};
-
-/// What is known about colouring.
-struct JobStatus {
-  bool running = false;
-  Progress progress;
-  std::size_t num_colored = 0;
-  std::string message;  ///< result of the last job
+  std::map<std::string, ErrorLog::Row> errors;
 };
 
 class NodeOutput {
  public:
   NodeOutput(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const NodeParams& params);
 
-  void publishStatus(const RecordingState& recording, const JobStatus& job);
+  void publishStatus(const NodeState& state);
   void publishPath(nav_msgs::Path path);
   /// Positions relative to `origin`.
   void publishPreview(const Cloud& cloud, const Eigen::Vector3d& origin);
@@ -59,11 +53,11 @@ class NodeOutput {
 
   NodeParams params_;
   ros::Publisher map_, preview_, path_, status_;
-  std::mutex mutex_;
+  std::mutex frame_mutex_;  ///< the next two
   tf2_ros::StaticTransformBroadcaster broadcaster_;
   std::unique_ptr<Eigen::Vector3d> announced_;
-  RecordingState recording_;
-  JobStatus job_;
+  std::mutex diagnostics_mutex_;  ///< what follows
+  NodeState state_;
   diagnostic_updater::Updater diagnostics_;
 };
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "ros/node.hpp"
+#include "ros/recording_session.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -41,6 +41,7 @@ class ViewWriter {
   void add(PendingView view, const sensor_msgs::CompressedImageConstPtr& compressed, Recorder& recorder);
   void writeReady(Recorder& recorder) { write(kMaxEncoding, recorder); }
   void writeAll(Recorder& recorder) { write(0, recorder); }
+  void clear() { views_.clear(); }
   std::size_t numPending() const { return views_.size(); }
 
  private:

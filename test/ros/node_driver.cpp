@@ -5,6 +5,7 @@
 
 #include <cloud_colorizer/ColorizeStatus.h>
 #include <cloud_colorizer/SaveMap.h>
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Path.h>
 #include <ros/ros.h>
@@ -17,6 +18,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include "cloud_colorizer/cloud/cloud_io.hpp"
@@ -106,7 +108,10 @@ class NodeTest : public testing::Test {
     std::filesystem::remove_all(directory_);
   }
 
-  void onStatus(const ColorizeStatus& status) { last_status_ = status; }
+  void onStatus(const ColorizeStatus& status) {
+    last_status_ = status;
+    stages_.insert(status.stage);
+  }
 
   /// Both cameras with images of one kind.
   void startNode(bool compressed, Args args = {}) {
@@ -117,8 +122,9 @@ class NodeTest : public testing::Test {
       image_[i] = compressed ? node_.advertise<sensor_msgs::CompressedImage>(camera + "/image/compressed", 10)
                              : node_.advertise<sensor_msgs::Image>(camera + "/image", 10);
     }
-    args.insert(args.end(), {"_num_cameras:=2", std::string("_image_transport:=") + (compressed ? "compressed" : "raw"),
-                             "_recording_dir:=" + directory_ + "/recording", "_voxel_size:=0.08"});
+    args.insert(args.begin(),
+                {"_num_cameras:=2", std::string("_image_transport:=") + (compressed ? "compressed" : "raw"),
+                 "_recording_dir:=" + directory_ + "/recording", "_voxel_size:=0.08"});
     process_ = std::make_unique<NodeProcess>(args, directory_ + "/log");
     ASSERT_TRUE(waitFor([this] { return connected(); })) << process_->log();
   }
@@ -163,9 +169,10 @@ class NodeTest : public testing::Test {
     EXPECT_TRUE(ros::service::call("colorizer/" + name, trigger)) << process_->log();
     return trigger.response;
   }
-  SaveMap::Response save(const std::string& path) {
+  SaveMap::Response save(const std::string& path, bool overwrite = false) {
     SaveMap map;
     map.request.path = path;
+    map.request.overwrite = overwrite;
     EXPECT_TRUE(ros::service::call("colorizer/save_map", map)) << process_->log();
     return map.response;
   }
@@ -199,6 +206,7 @@ class NodeTest : public testing::Test {
   ros::Publisher cloud_, tf_, static_tf_, info_[2], image_[2];
   ros::Subscriber status_;
   ColorizeStatus last_status_;
+  std::set<std::string> stages_;
   std::unique_ptr<NodeProcess> process_;
 };
 
@@ -268,6 +276,77 @@ TEST_F(NodeTest, ReplayedBagGivesTheRecordingOfTheBag) {
     EXPECT_EQ(replayed.readPoints(tile), direct.readPoints(tile));
   }
   EXPECT_EQ(process_->log().find("WARN"), std::string::npos) << process_->log();
+}
+
+TEST_F(NodeTest, SavingColoursWhatIsNewFirst) {
+  startNode(true);
+  for (std::size_t i = 0; i < 4; ++i) publishFrame(i);
+  ASSERT_TRUE(waitForViews(8)) << process_->log();
+  ASSERT_TRUE(save("map.ply").success) << process_->log();
+  for (std::size_t i = 4; i < drive_.num_frames; ++i) publishFrame(i);
+  ASSERT_TRUE(waitForViews(2 * drive_.num_frames)) << process_->log();
+  ASSERT_TRUE(save("map.ply").success) << process_->log();
+  const Recording recording = Recording::open(directory_ + "/recording");
+  EXPECT_EQ(CloudReader(directory_ + "/map.ply").numPoints(), recording.numPoints());
+}
+
+TEST_F(NodeTest, FilesOfOthersAreReplacedOnlyWhenAskedAndOnlyInTheSaveDirectory) {
+  startNode(true);
+  publishDrive();
+  ASSERT_TRUE(waitForViews(2 * drive_.num_frames)) << process_->log();
+  std::ofstream(directory_ + "/other.ply") << "dear";
+  EXPECT_FALSE(save("other.ply").success);
+  EXPECT_EQ(std::filesystem::file_size(directory_ + "/other.ply"), 4U);
+  EXPECT_TRUE(save("other.ply", true).success);
+  EXPECT_TRUE(save("other.ply").success) << "the node's own by now";
+  const auto outside = save("/tmp/node_test_outside.ply");
+  EXPECT_FALSE(outside.success);
+  EXPECT_NE(outside.message.find("~save_dir"), std::string::npos) << outside.message;
+  EXPECT_FALSE(std::filesystem::exists("/tmp/node_test_outside.ply"));
+  // As README and demo call it: the field that is left out is false.
+  EXPECT_EQ(std::system(("rosservice call /colorizer/save_map \"path: '" + directory_ +
+                         "/called.ply'\" | grep -q 'success: True'")
+                            .c_str()),
+            0);
+}
+
+TEST_F(NodeTest, ResetWhileImagesAreEncodedLosesNothing) {
+  drive_.width = 960;
+  drive_.height = 720;
+  startNode(false, {"_raw_image_format:=png"});
+  publishDrive();
+  ASSERT_TRUE(waitForViews(3)) << process_->log();
+  const auto reset = call("reset");
+  ASSERT_TRUE(reset.success) << reset.message;
+  for (std::size_t i = drive_.num_frames; i < drive_.num_frames + 8; ++i) publishFrame(i);
+  ASSERT_TRUE(waitForViews(2 * 8)) << process_->log();
+  const auto response = call("colorize");
+  EXPECT_TRUE(response.success) << response.message;
+  const Recording fresh = Recording::open(directory_ + "/recording");
+  for (std::size_t tile = 0; tile < fresh.tiles().size(); ++tile) {
+    EXPECT_GT(fresh.readPoints(tile).colwise().norm().minCoeff(), 1.F) << "points that nobody measured";
+  }
+  EXPECT_EQ(process_->stop(SIGINT), 0) << process_->log();
+}
+
+TEST_F(NodeTest, DeletedRecordingIsAnErrorUntilReset) {
+  startNode(true);
+  for (std::size_t i = 0; i < 4; ++i) publishFrame(i);
+  ASSERT_TRUE(waitForViews(8)) << process_->log();
+  diagnostic_msgs::DiagnosticStatus diagnostic;
+  const auto subscriber = node_.subscribe<diagnostic_msgs::DiagnosticArray>(
+      "/diagnostics", 10, [&](const auto& message) { diagnostic = message->status.at(0); });
+  std::filesystem::remove_all(directory_ + "/recording");
+  ASSERT_TRUE(waitFor([&] { return last_status_.stage == "error"; }));
+  EXPECT_NE(last_status_.message.find("deleted"), std::string::npos) << last_status_.message;
+  EXPECT_TRUE(waitFor([&] { return diagnostic.level == diagnostic_msgs::DiagnosticStatus::ERROR; }));
+  EXPECT_FALSE(call("colorize").success);
+  EXPECT_TRUE(call("reset").success);
+  publishDrive();
+  EXPECT_TRUE(waitForViews(2 * drive_.num_frames)) << process_->log();
+  EXPECT_TRUE(call("colorize").success);
+  std::filesystem::remove_all(directory_ + "/recording");
+  EXPECT_EQ(process_->stop(SIGINT), 1) << process_->log();
 }
 
 TEST_F(NodeTest, FullDiskIsReportedAndTheMapStays) {
@@ -385,6 +464,14 @@ TEST_F(NodeTest, TransportWithoutAPluginStopsTheStart) {
   EXPECT_EQ(process.wait(), 1);
   EXPECT_NE(process.log().find("image_transport = \"sonar\" of camera_0: there are compressed, raw"), std::string::npos)
       << process.log();
+}
+
+TEST_F(NodeTest, StatusGoesOnWhileColouringAfterSilence) {
+  drive_.num_frames = 60;
+  startNode(true, {"_colorize_after:=1", "_voxel_size:=0.02", "_num_threads:=1"});
+  publishDrive();
+  EXPECT_TRUE(waitFor([&] { return last_status_.colored_points > 1000; }, 60)) << process_->log();
+  EXPECT_GT(stages_.size(), 2U) << "besides idle and recording, the stages of colouring";
 }
 
 TEST_F(NodeTest, UnknownParameterStopsTheStart) {

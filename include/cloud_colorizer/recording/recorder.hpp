@@ -63,7 +63,8 @@ class Recorder {
                const Eigen::Isometry3d& map_from_sensor);
 
   void flush();
-  Recording snapshot();  ///< flushes
+  bool isInPlace() const;  ///< false when the directory was deleted, moved away or replaced by another
+  Recording snapshot();    ///< flushes
   std::size_t numPoints() const;
   std::size_t numViews() const;
 

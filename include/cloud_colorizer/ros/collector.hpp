@@ -112,12 +112,14 @@ class Collector {
   void addImage(std::size_t camera, const sensor_msgs::ImageConstPtr& message);
   void addImage(std::size_t camera, const sensor_msgs::CompressedImageConstPtr& message);
 
-  /// Goes on into another recording: transforms, camera_info and waiting messages stay, counters start again.
+  /// Goes on into another recording: transforms, camera_info and waiting messages stay, counters start again. Views
+  /// whose images are being encoded belong to the old one, see drain(). When it throws, the old one stays in use.
   void useRecorder(Recorder& recorder);
 
   /// Records what can be recorded by now. Called by the owner after adding, as often as it likes.
   void process();
-  /// Records what can be recorded, gives up on the rest, and waits for the encoders.
+  void drain();  ///< waits for the encoders and writes their views
+  /// Records what can be recorded, gives up on the rest, and drains.
   void finish();
   std::size_t numPending() const;  ///< messages that wait for tf, camera_info or an encoder
 

@@ -5,6 +5,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cctype>
@@ -137,6 +138,9 @@ struct Recorder::Impl {
                                         InsertCounts& counts);
   void flush();
   void flushWhenDue();
+  bool isInPlace() const;
+  /// Throws where the recording's directory is gone: it is not made again.
+  void makeFolder(const std::string& name) const { std::filesystem::create_directory(directory + '/' + name); }
 };
 
 Recorder::Impl::Impl(const std::string& dir, const std::string& map_frame, const RecordParams& record_params)
@@ -229,7 +233,17 @@ const std::vector<PlacedPoint>& Recorder::Impl::place(const Cloud& cloud, const 
   return placed;
 }
 
+/// Whether `directory` is still the one that was locked.
+bool Recorder::Impl::isInPlace() const {
+  struct stat locked = {}, found = {};
+  return ::fstat(lock.descriptor(), &locked) == 0 && ::stat(lock.path().c_str(), &found) == 0 &&
+         locked.st_dev == found.st_dev && locked.st_ino == found.st_ino;
+}
+
 void Recorder::Impl::flush() {
+  // Another recording may have taken the name; these points are not its own.
+  require(!tiles || tiles->numPendingBytes() == 0 || isInPlace(), "the recording ", directory,
+          " was deleted or moved away while points were recorded");
   if (tiles) tiles->flush();
   last_flush = Clock::now();
 }
@@ -265,7 +279,8 @@ std::uint32_t Recorder::setCamera(const std::string& name, const Intrinsics& int
     if (sameIntrinsics(found->intrinsics, intrinsics)) return static_cast<std::uint32_t>(found - cameras.begin());
     candidate = name + '_' + std::to_string(variant);
   }
-  std::filesystem::create_directories(impl_->directory + "/images/" + candidate);
+  impl_->makeFolder("images");
+  impl_->makeFolder("images/" + candidate);
   auto extended = cameras;
   extended.push_back({candidate, intrinsics, ""});
   writeCameras(impl_->directory, extended);
@@ -283,7 +298,7 @@ void Recorder::setMask(std::uint32_t camera, const cv::Mat1b& mask) {
   std::vector<std::uint8_t> png;
   cv::imencode(".png", mask, png);
   entry.mask = "masks/" + entry.name + ".png";
-  std::filesystem::create_directories(impl_->directory + "/masks");
+  impl_->makeFolder("masks");
   writeFileAtomically(impl_->directory + '/' + entry.mask, png.data(), png.size());
   writeCameras(impl_->directory, cameras);
   impl_->cameras = std::move(cameras);
@@ -352,7 +367,7 @@ void Recorder::addScan(const std::string& sensor, double stamp, const Eigen::Mat
   std::vector<std::uint8_t> png;
   cv::imencode(".png", makeRangePanorama(positions, impl.params.scan_resolution, impl.params.min_range), png,
                {cv::IMWRITE_PNG_COMPRESSION, 1});
-  std::filesystem::create_directories(impl.directory + "/scans");
+  impl.makeFolder("scans");
   writeFileAtomically(impl.directory + '/' + scan.image, png.data(), png.size());
   impl.scans_table.append(scanLine(scan));
   impl.scans.push_back(std::move(scan));
@@ -361,6 +376,10 @@ void Recorder::addScan(const std::string& sensor, double stamp, const Eigen::Mat
 
 void Recorder::flush() {
   impl_->flush();
+}
+
+bool Recorder::isInPlace() const {
+  return impl_->isInPlace();
 }
 
 Recording Recorder::snapshot() {
