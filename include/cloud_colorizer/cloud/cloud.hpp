@@ -42,6 +42,10 @@ auto withType(FieldType type, F&& f) {
   throw std::invalid_argument("field type " + std::to_string(static_cast<int>(type)) + " must be 1 to 8");
 }
 
+/// "int8" to "float64", and back. Throws std::invalid_argument on another name.
+std::string toString(FieldType type);
+FieldType fieldTypeFromString(const std::string& name);
+
 /// Bytes of one number.
 inline std::size_t sizeOf(FieldType type) {
   return withType(type, [](auto number) { return sizeof number; });
@@ -88,8 +92,23 @@ struct Cloud {
 /// Throws std::invalid_argument unless there is one record for every position.
 void checkCloud(const Cloud& cloud);
 
-/// How to turn records of some fields into records of others: a few copies of runs of bytes a record, prepared once.
-/// Fields are matched by name, type and count; what has no source becomes zero.
+/// Copies of runs of bytes from one record to another; runs that follow each other are one.
+class ByteRuns {
+ public:
+  void add(std::size_t from, std::size_t to, std::size_t size);
+  void copy(const std::uint8_t* from, std::uint8_t* to) const {
+    for (const auto& run : runs_) std::memcpy(to + run.to, from + run.from, run.size);
+  }
+
+ private:
+  struct Run {
+    std::size_t from, to, size;
+  };
+  std::vector<Run> runs_;
+};
+
+/// How to turn records of some fields into records of others, prepared once. Fields are matched by name, type and
+/// count; what has no source becomes zero.
 class RecordMap {
  public:
   RecordMap(const std::vector<Field>& from, const std::vector<Field>& to);
@@ -99,10 +118,7 @@ class RecordMap {
   void copy(const std::uint8_t* from, std::uint8_t* to) const;          ///< one record
 
  private:
-  struct Run {
-    std::size_t from, to, size;
-  };
-  std::vector<Run> runs_;
+  ByteRuns runs_;
   std::vector<std::string> dropped_, missing_;
   std::size_t to_size_ = 0;
 };

@@ -13,17 +13,17 @@ namespace cloud_colorizer {
 
 namespace {
 
-constexpr std::size_t kBlockSize = 1 << 20;
 constexpr std::size_t kMaxLine = 1 << 20;
 
 }  // namespace
 
-BlockReader::BlockReader(const std::string& path) : file_(path, O_RDONLY), size_(file_.size()) {}
+BlockReader::BlockReader(const std::string& path, std::size_t block_size)
+    : file_(path, O_RDONLY), block_size_(block_size), size_(file_.size()) {}
 
 bool BlockReader::fill() {
   block_start_ += block_.size();
   next_ = 0;
-  block_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kBlockSize, size_ - block_start_)));
+  block_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(block_size_, size_ - block_start_)));
   file_.readAt(block_start_, block_.data(), block_.size());
   return !block_.empty();
 }
@@ -46,9 +46,13 @@ bool BlockReader::readLine(std::string& line) {
   return any;
 }
 
-void BlockReader::read(void* bytes, std::size_t size) {
+void BlockReader::checkRemaining(std::uint64_t size) const {
   require(size <= remaining(), path(), " is truncated: ", size, " bytes are expected at byte ", position(),
           ", but only ", remaining(), " are there");
+}
+
+void BlockReader::read(void* bytes, std::size_t size) {
+  checkRemaining(size);
   auto* target = static_cast<char*>(bytes);
   while (size > 0) {
     if (next_ == block_.size()) fill();
@@ -61,8 +65,7 @@ void BlockReader::read(void* bytes, std::size_t size) {
 }
 
 void BlockReader::skip(std::uint64_t size) {
-  require(size <= remaining(), path(), " is truncated: ", size, " bytes are expected at byte ", position(),
-          ", but only ", remaining(), " are there");
+  checkRemaining(size);
   if (size <= block_.size() - next_) {
     next_ += static_cast<std::size_t>(size);
     return;

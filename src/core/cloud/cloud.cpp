@@ -3,13 +3,30 @@
 #include "cloud_colorizer/cloud/cloud.hpp"
 
 #include <algorithm>
-#include <cctype>
+#include <array>
 #include <cstring>
 #include <set>
 
 #include "cloud_colorizer/base/check.hpp"
 
 namespace cloud_colorizer {
+
+namespace {
+
+constexpr std::array<const char*, 8> kTypeNames{"int8",  "uint8",  "int16",   "uint16",
+                                                "int32", "uint32", "float32", "float64"};
+
+}  // namespace
+
+std::string toString(FieldType type) {
+  return kTypeNames.at(static_cast<std::size_t>(type) - 1);
+}
+
+FieldType fieldTypeFromString(const std::string& name) {
+  const auto found = std::find(kTypeNames.begin(), kTypeNames.end(), name);
+  require<std::invalid_argument>(found != kTypeNames.end(), "field type \"", name, "\" is unknown");
+  return static_cast<FieldType>(found - kTypeNames.begin() + 1);
+}
 
 bool operator==(const Field& a, const Field& b) {
   return a.name == b.name && a.type == b.type && a.count == b.count;
@@ -51,23 +68,26 @@ void checkCloud(const Cloud& cloud) {
                                  " bytes of records, not ", cloud.records.size());
 }
 
+void ByteRuns::add(std::size_t from, std::size_t to, std::size_t size) {
+  if (size == 0) return;
+  if (!runs_.empty() && runs_.back().from + runs_.back().size == from && runs_.back().to + runs_.back().size == to) {
+    runs_.back().size += size;
+  } else {
+    runs_.push_back({from, to, size});
+  }
+}
+
 RecordMap::RecordMap(const std::vector<Field>& from, const std::vector<Field>& to) {
   for (const auto& field : from) {
     if (std::find(to.begin(), to.end(), field) == to.end()) dropped_.push_back(field.name);
   }
   for (const auto& field : to) {
     const auto size = sizeOf(field.type) * field.count;
-    const auto source = std::find(from.begin(), from.end(), field);
-    if (source == from.end()) {
-      missing_.push_back(field.name);
+    const auto source = findField(from, field.name);
+    if (source && source->field == field) {
+      runs_.add(source->offset, to_size_, size);
     } else {
-      const auto offset = recordSize({from.begin(), source});
-      if (!runs_.empty() && runs_.back().from + runs_.back().size == offset &&
-          runs_.back().to + runs_.back().size == to_size_) {
-        runs_.back().size += size;
-      } else {
-        runs_.push_back({offset, to_size_, size});
-      }
+      missing_.push_back(field.name);
     }
     to_size_ += size;
   }
@@ -75,7 +95,7 @@ RecordMap::RecordMap(const std::vector<Field>& from, const std::vector<Field>& t
 
 void RecordMap::copy(const std::uint8_t* from, std::uint8_t* to) const {
   if (!missing_.empty()) std::memset(to, 0, to_size_);
-  for (const auto& run : runs_) std::memcpy(to + run.to, from + run.from, run.size);
+  runs_.copy(from, to);
 }
 
 }  // namespace cloud_colorizer

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
@@ -14,29 +15,28 @@ namespace cloud_colorizer {
 
 namespace {
 
-void swapBytes(std::uint8_t* raw, std::size_t stride, std::size_t num_points, std::size_t size) {
-  for (std::size_t i = 0; i < num_points; ++i, raw += stride) std::reverse(raw, raw + size);
-}
+constexpr std::size_t kMaxValues = 1'000'000;  ///< of a point
 
-template <class Integer>
-void integersToDouble(std::uint8_t* raw, std::size_t stride, std::size_t num_points) {
-  for (std::size_t i = 0; i < num_points; ++i, raw += stride) {
-    Integer integer = 0;
-    std::memcpy(&integer, raw, sizeof integer);
-    const auto value = static_cast<double>(integer);
-    std::memcpy(raw, &value, sizeof value);
+/// f(T{}) with the type that a number has in the bytes.
+template <class F>
+void withStoredType(FieldType type, Wide wide, F&& f) {
+  if (wide == Wide::kInt64) {
+    f(std::int64_t{});
+  } else if (wide == Wide::kUint64) {
+    f(std::uint64_t{});
+  } else {
+    withType(type, f);
   }
 }
 
-/// Column `axis` of a 3 x n matrix.
-void copyAxis(const std::uint8_t* raw, std::size_t stride, std::size_t num_points, FieldType type, double* target) {
-  withType(type, [&](auto zero) {
-    for (std::size_t i = 0; i < num_points; ++i, raw += stride, target += 3) {
-      auto value = zero;
-      std::memcpy(&value, raw, sizeof value);
-      *target = static_cast<double>(value);
-    }
-  });
+template <class T>
+T readNumber(const std::uint8_t* raw, bool swap_bytes) {
+  std::array<std::uint8_t, sizeof(T)> bytes;
+  std::memcpy(bytes.data(), raw, sizeof(T));
+  if (swap_bytes) std::reverse(bytes.begin(), bytes.end());
+  T number;
+  std::memcpy(&number, bytes.data(), sizeof(T));
+  return number;
 }
 
 /// False when an integer type cannot hold the number.
@@ -57,53 +57,82 @@ bool storeNumber(double number, FieldType type, std::uint8_t* target) {
 
 }  // namespace
 
-CloudLayout::CloudLayout(const CloudHeader& header, const std::string& path)
-    : file_fields_(header.fields), swap_bytes_(header.encoding == Encoding::kBinaryBigEndian) {
-  std::vector<Field> all;
-  bool found[3] = {false, false, false};
-  for (const auto& [field, wide] : header.fields) {
-    const bool is_axis = field.name == "x" || field.name == "y" || field.name == "z";
-    if (is_axis) {
-      const auto axis = static_cast<std::size_t>(field.name[0] - 'x');
-      require(field.count == 1 && !found[axis], path, ": the field ", field.name, " must be there once, as one number");
+CloudLayout::CloudLayout(std::vector<PlacedField> fields, std::size_t stride, bool swap_bytes)
+    : placed_(std::move(fields)), stride_(stride), swap_bytes_(swap_bytes) {
+  using Invalid = std::invalid_argument;
+  std::array<bool, 3> found{};
+  for (const auto& [field, wide, offset] : placed_) {
+    const auto size = sizeOf(field.type);
+    const auto axis = field.name.size() == 1 ? std::string("xyz").find(field.name) : std::string::npos;
+    const bool is_kept = axis == std::string::npos && field.name != "_";
+    for (std::size_t i = 0; i < field.count; ++i) {
+      scalars_.push_back({offset + i * size, field.type, wide});
+      if (is_kept && ((swap_bytes && size > 1) || wide != Wide::kNo)) {
+        converted_.push_back({record_size_ + i * size, field.type, wide});
+      }
+    }
+    if (axis != std::string::npos) {
+      require<Invalid>(field.count == 1, "the field ", field.name, " must be one number, not ", field.count);
+      require<Invalid>(!found[axis], "the field ", field.name, " is there twice; it must be there once");
       found[axis] = true;
-      axes_[axis] = {stride_, field.type};
-    } else if (field.name != "_") {
+      axes_[axis] = {offset, field.type, wide};
+    } else if (is_kept) {
       fields_.push_back(field);
-    }
-    for (std::uint32_t i = 0; i < field.count; ++i) {
-      scalars_.push_back({stride_, field.type, wide});
-      stride_ += sizeOf(field.type);
-    }
-    all.push_back(field);
-    has_wide_ = has_wide_ || wide != Wide::kNo;
-  }
-  require(found[0] && found[1] && found[2], path, " has no positions: it needs the fields x, y and z");
-  try {
-    checkFields(fields_);
-  } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(path + ": " + error.what());
-  }
-  map_.emplace_back(all, fields_);
-}
-
-void CloudLayout::decode(std::uint8_t* raw, std::size_t num_points, Cloud& cloud, std::size_t first) const {
-  if (swap_bytes_ || has_wide_) {
-    for (const auto& scalar : scalars_) {
-      auto* values = raw + scalar.offset;
-      if (swap_bytes_) swapBytes(values, stride_, num_points, sizeOf(scalar.type));
-      if (scalar.wide == Wide::kInt64) integersToDouble<std::int64_t>(values, stride_, num_points);
-      if (scalar.wide == Wide::kUint64) integersToDouble<std::uint64_t>(values, stride_, num_points);
+      runs_.add(offset, record_size_, size * field.count);
+      record_size_ += size * field.count;
     }
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    copyAxis(raw + axes_[axis].offset, stride_, num_points, axes_[axis].type,
-             cloud.positions.data() + 3 * first + axis);
+    require<Invalid>(found[axis], "there is no field ", "xyz"[axis], "; a cloud needs the fields x, y and z");
   }
-  const auto record_size = recordSize(fields_);
-  if (record_size == 0) return;
-  auto* record = cloud.records.data() + first * record_size;
-  for (std::size_t i = 0; i < num_points; ++i) map_[0].copy(raw + i * stride_, record + i * record_size);
+  checkFields(fields_);
+}
+
+CloudLayout CloudLayout::ofFile(const CloudHeader& header, const std::string& path) {
+  auto fields = header.fields;
+  std::size_t stride = 0, num_values = 0;
+  for (auto& [field, wide, offset] : fields) {
+    offset = stride;
+    stride += sizeOf(field.type) * field.count;
+    num_values += field.count;
+  }
+  require(num_values <= kMaxValues, path, ": a point of ", num_values, " numbers is too large; at most ", kMaxValues,
+          " can be read");
+  try {
+    return {std::move(fields), stride, header.encoding == Encoding::kBinaryBigEndian};
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(path + ": " + error.what());
+  }
+}
+
+/// Column of a 3 x n matrix.
+void CloudLayout::decodeAxis(const std::uint8_t* raw, std::size_t num_points, const Scalar& axis,
+                             double* target) const {
+  withStoredType(axis.type, axis.wide, [&](auto zero) {
+    raw += axis.offset;
+    for (std::size_t i = 0; i < num_points; ++i, raw += stride_, target += 3) {
+      *target = static_cast<double>(readNumber<decltype(zero)>(raw, swap_bytes_));
+    }
+  });
+}
+
+void CloudLayout::decode(const std::uint8_t* raw, std::size_t num_points, Cloud& cloud, std::size_t first) const {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    decodeAxis(raw, num_points, axes_[axis], cloud.positions.data() + 3 * first + axis);
+  }
+  if (record_size_ == 0) return;
+  auto* const records = cloud.records.data() + first * record_size_;
+  for (std::size_t i = 0; i < num_points; ++i) runs_.copy(raw + i * stride_, records + i * record_size_);
+  for (const auto& scalar : converted_) {
+    withStoredType(scalar.type, scalar.wide, [&](auto zero) {
+      for (std::size_t i = 0; i < num_points; ++i) {
+        auto* const bytes = records + i * record_size_ + scalar.offset;
+        const auto number = readNumber<decltype(zero)>(bytes, swap_bytes_);
+        const auto wide = static_cast<double>(number);
+        std::memcpy(bytes, scalar.wide == Wide::kNo ? static_cast<const void*>(&number) : &wide, sizeof number);
+      }
+    });
+  }
 }
 
 std::string CloudLayout::parseLine(const char* line, std::uint8_t* raw) const {
@@ -127,12 +156,27 @@ std::string CloudLayout::parseLine(const char* line, std::uint8_t* raw) const {
 
 void CloudLayout::gather(const std::uint8_t* columns, std::size_t num_all, std::size_t first, std::size_t num_points,
                          std::uint8_t* raw) const {
-  std::size_t offset = 0;
-  for (const auto& entry : file_fields_) {
-    const auto size = sizeOf(entry.field.type) * entry.field.count;
+  for (const auto& [field, wide, offset] : placed_) {
+    const auto size = sizeOf(field.type) * field.count;
     const auto* source = columns + offset * num_all + first * size;
     for (std::size_t i = 0; i < num_points; ++i) std::memcpy(raw + i * stride_ + offset, source + i * size, size);
-    offset += size;
+  }
+}
+
+PackedFormat wholeRecords(const std::vector<Field>& fields, bool double_positions) {
+  PackedFormat format{double_positions, {}, recordSize(fields)};
+  format.runs.add(0, 0, format.record_size);
+  return format;
+}
+
+void PackedFormat::pack(const Cloud& cloud, std::size_t first, std::size_t num_points, std::uint8_t* target) const {
+  const auto position_size = pointSize() - record_size, source_size = recordSize(cloud.fields);
+  const auto* record = cloud.records.data() + first * source_size;
+  for (std::size_t i = 0; i < num_points; ++i, record += source_size, target += pointSize()) {
+    const Eigen::Vector3d position = cloud.positions.col(static_cast<Eigen::Index>(first + i));
+    const Eigen::Vector3f rounded = position.cast<float>();
+    std::memcpy(target, double_positions ? static_cast<const void*>(position.data()) : rounded.data(), position_size);
+    runs.copy(record, target + position_size);
   }
 }
 

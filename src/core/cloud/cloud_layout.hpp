@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// How the points of a file lie in their bytes, and how they become a Cloud. All decisions are made once a file.
+/// How the points of a file or a message lie in their bytes, and how they become a Cloud and back. All decisions are
+/// made once a file or message.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -14,32 +16,36 @@ namespace cloud_colorizer {
 
 enum class Wide { kNo, kInt64, kUint64 };
 
-/// A field of a file, also x, y, z and padding ("_"). 64 bit integers, which no message can hold, are read as float64.
-struct FileField {
+/// A field where it lies in the bytes of a point; also x, y, z and padding ("_"). 64 bit integers, which a Cloud cannot
+/// hold, are read as float64.
+struct PlacedField {
   Field field;
   Wide wide = Wide::kNo;
+  std::size_t offset = 0;
 };
 
 enum class Encoding { kAscii, kBinary, kBinaryBigEndian, kCompressed };
 
 struct CloudHeader {
-  std::vector<FileField> fields;
+  std::vector<PlacedField> fields;  ///< their offsets do not count: one follows the other
   std::uint64_t num_points = 0;
   Encoding encoding = Encoding::kBinary;
 };
 
 class CloudLayout {
  public:
-  CloudLayout() = default;
-  /// Throws std::runtime_error without x, y, z or with fields that checkFields refuses.
-  CloudLayout(const CloudHeader& header, const std::string& path);
+  /// Throws std::invalid_argument without x, y, z or with fields that checkFields refuses. Every field must lie within
+  /// `stride`, the bytes from a point to the next.
+  CloudLayout(std::vector<PlacedField> fields, std::size_t stride, bool swap_bytes);
+  /// Of a file. The errors name it and are std::runtime_error.
+  static CloudLayout ofFile(const CloudHeader& header, const std::string& path);
 
   const std::vector<Field>& fields() const { return fields_; }  ///< without x, y, z and padding
-  std::size_t stride() const { return stride_; }                ///< bytes of a point in the file
+  std::size_t stride() const { return stride_; }
   std::size_t numValues() const { return scalars_.size(); }
 
-  /// Turns `num_points` points of the file into points [first, first + num_points) of the cloud. Changes `raw`.
-  void decode(std::uint8_t* raw, std::size_t num_points, Cloud& cloud, std::size_t first) const;
+  /// Turns the `num_points` points at `raw` into points [first, first + num_points) of the cloud.
+  void decode(const std::uint8_t* raw, std::size_t num_points, Cloud& cloud, std::size_t first) const;
   /// One line of text as a point of the file. Empty, or what is wrong with it.
   std::string parseLine(const char* line, std::uint8_t* raw) const;
   /// Points [first, first + num_points) from whole columns, field after field, as binary_compressed stores them.
@@ -48,22 +54,32 @@ class CloudLayout {
 
  private:
   struct Scalar {
-    std::size_t offset;
-    FieldType type;
-    Wide wide;
-  };
-  struct Axis {
     std::size_t offset = 0;
     FieldType type = FieldType::kFloat32;
+    Wide wide = Wide::kNo;
   };
-  std::vector<FileField> file_fields_;
-  std::vector<Scalar> scalars_;
+  void decodeAxis(const std::uint8_t* raw, std::size_t num_points, const Scalar& axis, double* target) const;
+
+  std::vector<PlacedField> placed_;
+  std::vector<Scalar> scalars_;    ///< where the numbers are in the bytes
+  std::vector<Scalar> converted_;  ///< where those are in a record that are not copied as they are
   std::vector<Field> fields_;
-  std::vector<RecordMap> map_;  ///< one, or none before construction
-  Axis axes_[3];
-  std::size_t stride_ = 0;
+  std::array<Scalar, 3> axes_;
+  ByteRuns runs_;
+  std::size_t stride_ = 0, record_size_ = 0;
   bool swap_bytes_ = false;
-  bool has_wide_ = false;
 };
+
+/// How a Cloud becomes the points of a file or message: x, y, z as float or double, then the runs of its record.
+struct PackedFormat {
+  bool double_positions = false;
+  ByteRuns runs;
+  std::size_t record_size = 0;  ///< bytes after the position
+
+  std::size_t pointSize() const { return 3 * (double_positions ? sizeof(double) : sizeof(float)) + record_size; }
+  /// Points [first, first + num_points) of the cloud; `target` holds num_points * pointSize() bytes.
+  void pack(const Cloud& cloud, std::size_t first, std::size_t num_points, std::uint8_t* target) const;
+};
+PackedFormat wholeRecords(const std::vector<Field>& fields, bool double_positions);
 
 }  // namespace cloud_colorizer

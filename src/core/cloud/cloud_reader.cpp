@@ -53,7 +53,8 @@ struct CloudReader::Impl {
   std::vector<std::uint8_t> raw;
   std::uint64_t num_read = 0;
 
-  explicit Impl(const std::string& path) : input(path), header(readHeader(input)), layout(header, path) {
+  explicit Impl(const std::string& path)
+      : input(path), header(readHeader(input)), layout(CloudLayout::ofFile(header, path)) {
     const bool is_text = header.encoding == Encoding::kAscii;
     // A number and its separator are two bytes at least.
     const auto min_size = is_text ? 2 * layout.numValues() : layout.stride();

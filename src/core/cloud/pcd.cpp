@@ -26,8 +26,8 @@ char pcdType(FieldType type) {
   }
 }
 
-FileField pcdField(const std::string& name, const std::string& type, const std::string& size, const std::string& count,
-                   const std::string& path) {
+PlacedField pcdField(const std::string& name, const std::string& type, const std::string& size,
+                     const std::string& count, const std::string& path) {
   static const std::map<std::string, FieldType> kTypes{
       {"I1", FieldType::kInt8},    {"I2", FieldType::kInt16},  {"I4", FieldType::kInt32},   {"U1", FieldType::kUint8},
       {"U2", FieldType::kUint16},  {"U4", FieldType::kUint32}, {"F4", FieldType::kFloat32}, {"F8", FieldType::kFloat64},
@@ -35,10 +35,10 @@ FileField pcdField(const std::string& name, const std::string& type, const std::
   const auto found = kTypes.find(type + size);
   long long number = 0;
   require(found != kTypes.end(), path, ": the field ", name, " has the unknown TYPE ", type, " with SIZE ", size);
-  require(parseInteger(count, number) && number > 0 && number < 1'000'000, path, ": the field ", name,
+  require(parseInteger(count, number) && number > 0 && number <= 0xFFFFFFFF, path, ": the field ", name,
           " has the COUNT ", count, ", which must be at least 1");
   const auto wide = found->first == "I8" ? Wide::kInt64 : found->first == "U8" ? Wide::kUint64 : Wide::kNo;
-  return {{name, found->second, static_cast<std::uint32_t>(number)}, wide};
+  return {{name, found->second, static_cast<std::uint32_t>(number)}, wide, 0};
 }
 
 using Entries = std::map<std::string, std::vector<std::string>>;

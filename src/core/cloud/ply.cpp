@@ -13,8 +13,10 @@ namespace cloud_colorizer {
 
 namespace {
 
+constexpr std::array<const char*, 8> kTypeNames{"char", "uchar", "short", "ushort", "int", "uint", "float", "double"};
+
 struct PlyProperty {
-  FileField value;
+  PlacedField value;
   bool is_list = false;
   FieldType length_type = FieldType::kUint8;  ///< of a list
 };
@@ -26,11 +28,9 @@ struct PlyElement {
 };
 
 FieldType plyType(const std::string& name, const std::string& where) {
-  constexpr std::array<const char*, 8> kNames{"char", "uchar", "short", "ushort", "int", "uint", "float", "double"};
-  constexpr std::array<const char*, 8> kAliases{"int8",  "uint8",  "int16",   "uint16",
-                                                "int32", "uint32", "float32", "float64"};
-  for (std::size_t i = 0; i < kNames.size(); ++i) {
-    if (name == kNames[i] || name == kAliases[i]) return static_cast<FieldType>(i + 1);
+  for (std::size_t i = 0; i < kTypeNames.size(); ++i) {
+    const auto type = static_cast<FieldType>(i + 1);
+    if (name == kTypeNames[i] || name == toString(type)) return type;
   }
   throw std::runtime_error(where + ": the property type \"" + name + "\" is unknown");
 }
@@ -97,6 +97,32 @@ void skipElement(BlockReader& input, const PlyElement& element, Encoding encodin
   }
 }
 
+bool isPackedColor(const Field& field) {
+  return field.name == "rgb" && field.count == 1 &&
+         (field.type == FieldType::kFloat32 || field.type == FieldType::kUint32);
+}
+
+/// Properties of a PLY after x, y, z. Arrays become name_0, name_1, ...; rgb becomes red, green, blue, and fields that
+/// have these names already get the prefix "input_".
+std::vector<Field> plyFields(const std::vector<Field>& fields) {
+  const bool has_color = std::any_of(fields.begin(), fields.end(), isPackedColor);
+  std::vector<Field> result;
+  for (const auto& field : fields) {
+    const bool clashes = has_color && (field.name == "red" || field.name == "green" || field.name == "blue");
+    if (isPackedColor(field)) {
+      for (const char* name : {"red", "green", "blue"}) result.push_back({name, FieldType::kUint8});
+    } else if (field.count == 1) {
+      result.push_back({(clashes ? "input_" : "") + field.name, field.type});
+    } else {
+      for (std::uint32_t i = 0; i < field.count; ++i) {
+        result.push_back({field.name + '_' + std::to_string(i), field.type});
+      }
+    }
+  }
+  checkFields(result);
+  return result;
+}
+
 }  // namespace
 
 CloudHeader readPlyHeader(BlockReader& input) {
@@ -133,6 +159,36 @@ CloudHeader readPlyHeader(BlockReader& input) {
     header.fields.push_back(property.value);
   }
   return header;
+}
+
+std::string plyHeader(const std::vector<Field>& fields, bool double_positions, std::uint64_t num_points) {
+  const auto position = double_positions ? FieldType::kFloat64 : FieldType::kFloat32;
+  std::vector<Field> properties{{"x", position}, {"y", position}, {"z", position}};
+  const auto others = plyFields(fields);
+  properties.insert(properties.end(), others.begin(), others.end());
+  std::string header = "ply\nformat binary_little_endian 1.0\ncomment cloud_colorizer\nelement vertex " +
+                       std::to_string(num_points) + '\n';
+  for (const auto& field : properties) {
+    header += std::string("property ") + kTypeNames[static_cast<std::size_t>(field.type) - 1] + ' ' + field.name + '\n';
+  }
+  return header + "end_header\n";
+}
+
+PackedFormat plyFormat(const std::vector<Field>& fields, bool double_positions) {
+  PackedFormat format{double_positions, {}, 0};
+  std::size_t from = 0;
+  for (const auto& field : fields) {
+    const auto size = sizeOf(field.type) * field.count;
+    auto& to = format.record_size;
+    if (isPackedColor(field)) {  // 0x00RRGGBB, little endian
+      for (const std::size_t byte : {2, 1, 0}) format.runs.add(from + byte, to++, 1);
+    } else {
+      format.runs.add(from, to, size);
+      to += size;
+    }
+    from += size;
+  }
+  return format;
 }
 
 }  // namespace cloud_colorizer

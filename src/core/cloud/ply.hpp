@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Headers of PLY files.
+/// PLY files: the header of any that can be read, and the binary little endian that we write.
 #pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
 
 #include "cloud/block_reader.hpp"
 #include "cloud/cloud_layout.hpp"
@@ -11,5 +15,10 @@ namespace cloud_colorizer {
 
 /// Reads the header; the reader then stands at the first point. Throws std::runtime_error with file and reason.
 CloudHeader readPlyHeader(BlockReader& input);
+
+/// Header of x, y, z (float, or double) followed by `fields`: a packed rgb becomes uchar red, green, blue, and fields
+/// that have these names already get the prefix "input_"; arrays become name_0, name_1, ...
+std::string plyHeader(const std::vector<Field>& fields, bool double_positions, std::uint64_t num_points);
+PackedFormat plyFormat(const std::vector<Field>& fields, bool double_positions);
 
 }  // namespace cloud_colorizer

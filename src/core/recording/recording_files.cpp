@@ -5,7 +5,6 @@
 #include <fcntl.h>
 #include <yaml-cpp/yaml.h>
 
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -17,9 +16,6 @@
 namespace cloud_colorizer {
 
 namespace {
-
-constexpr std::array<const char*, 8> kFieldTypeNames{"int8",  "uint8",  "int16",   "uint16",
-                                                     "int32", "uint32", "float32", "float64"};
 
 std::string infoPath(const std::string& directory) {
   return directory + "/recording.yaml";
@@ -47,17 +43,10 @@ void writeYaml(const std::string& path, const YAML::Emitter& out) {
   file.commit(true);
 }
 
-FieldType fieldTypeFromName(const std::string& name) {
-  for (std::size_t i = 0; i < kFieldTypeNames.size(); ++i) {
-    if (name == kFieldTypeNames[i]) return static_cast<FieldType>(i + 1);
-  }
-  throw std::invalid_argument("field type \"" + name + "\" is unknown");
-}
-
 std::vector<Field> parseFields(const YAML::Node& nodes) {
   std::vector<Field> fields;
   for (const auto& node : nodes) {
-    fields.push_back({node["name"].as<std::string>(), fieldTypeFromName(node["type"].as<std::string>()),
+    fields.push_back({node["name"].as<std::string>(), fieldTypeFromString(node["type"].as<std::string>()),
                       node["count"].as<std::uint32_t>()});
   }
   checkFields(fields);
@@ -217,8 +206,8 @@ void writeInfo(const std::string& directory, const RecordingInfo& info) {
     out << YAML::Key << "fields" << YAML::Value << YAML::BeginSeq;
     for (const auto& field : *info.fields) {
       out << YAML::Flow << YAML::BeginMap << YAML::Key << "name" << YAML::Value << YAML::DoubleQuoted << field.name
-          << YAML::Key << "type" << YAML::Value << kFieldTypeNames[static_cast<std::size_t>(field.type) - 1]
-          << YAML::Key << "count" << YAML::Value << field.count << YAML::EndMap;
+          << YAML::Key << "type" << YAML::Value << toString(field.type) << YAML::Key << "count" << YAML::Value
+          << field.count << YAML::EndMap;
     }
     out << YAML::EndSeq;
   }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <iterator>
@@ -259,6 +260,13 @@ TEST(CloudWriter, BadPathsAreRefusedBeforeWork) {
   EXPECT_NO_THROW(CloudWriter::checkPath("a.pcd"));
 }
 
+TEST(CloudWriter, ReadOnlyDirectoryIsSaidToBeSo) {
+  ScratchDirectory scratch;
+  if (!scratch.mountDisk("ro")) GTEST_SKIP() << "no right to mount a disk";
+  errno = ENOENT;  // of something earlier
+  EXPECT_ERROR(CloudWriter::checkPath(scratch / "a.ply"), "Read-only file system");
+}
+
 TEST(CloudWriter, FullDiskIsReportedAndLeavesNothing) {
   ScratchDirectory scratch;
   if (!scratch.mountDisk("size=256k")) GTEST_SKIP() << "no right to mount a small disk";
@@ -312,6 +320,8 @@ TEST(CloudReader, BadPcdFilesAreExplained) {
       {"FIELDS x y z\nSIZE 4 4\nTYPE F F F\nWIDTH 0\nHEIGHT 1\nDATA ascii\n", "one entry a field"},
       {"FIELDS x y z\nSIZE 4 4 3\nTYPE F F F\nWIDTH 0\nHEIGHT 1\nDATA ascii\n", "SIZE 3"},
       {"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 0\nWIDTH 0\nHEIGHT 1\nDATA ascii\n", "COUNT 0"},
+      {"FIELDS x y z a\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 4000000000\nWIDTH 0\nHEIGHT 1\nDATA ascii\n",
+       "a point of 4000000003 numbers is too large"},
       {fields + "WIDTH 1\nWIDTH 2\nHEIGHT 1\nDATA ascii\n", "there twice"},
       {fields + "HEIGHT 1\nDATA ascii\n", "WIDTH"},
       {fields + "WIDTH 2\nHEIGHT 1\nPOINTS 3\nDATA ascii\n", "POINTS 3 is not WIDTH 2"},
