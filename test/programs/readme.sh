@@ -44,6 +44,12 @@ for file in $(grep -oE '\]\([A-Za-z_./]+\)' README.md | tr -d ']()'); do
 done
 
 # ---- the examples ----
+# That in C++ stands in a test.
+awk '/^```cpp$/ { inside = 1; next } /^```$/ { inside = 0 } inside' README.md >"$tmp/example.cpp"
+sed -e '1,/README begins/d' -e '/README ends/,$d' -e 's/^  //' test/core/map/pcl_example_test.cpp >"$tmp/tested.cpp"
+[ -s "$tmp/example.cpp" ] && cmp -s "$tmp/example.cpp" "$tmp/tested.cpp" ||
+  problem "the C++ example in README.md is not the one in test/core/map/pcl_example_test.cpp"
+
 make_drive "$tmp/drive"
 mkdir "$tmp/work"
 cp "$tmp/drive/drive.bag" "$tmp/work/DRIVE.bag"
