@@ -3,10 +3,14 @@
 #include "cloud_colorizer/surface/surfels.hpp"
 
 #include <gtest/gtest.h>
+#include <pcl/features/normal_3d.h>
+#include <pcl/search/kdtree.h>
 
+#include <algorithm>
 #include <limits>
 #include <random>
 
+#include "core/pcl_points.hpp"
 #include "core/street_scene.hpp"
 
 namespace cloud_colorizer {
@@ -67,6 +71,39 @@ TEST(Surfels, NormalsOfANoisyPlaneAreItsOwn) {
   }
   EXPECT_GT(flat, 0.95 * static_cast<double>(scan.points.cols()));
   EXPECT_LT(std::sqrt(squared_sine / flat), 0.15);
+}
+
+/// Median angle between our normals and those of PCL, deg.
+double medianAngleToPcl(const Points& points) {
+  pcl::NormalEstimation<pcl::PointXYZ, pcl::Normal> estimation;
+  estimation.setInputCloud(test::pclPoints(points));
+  estimation.setSearchMethod(pcl::search::KdTree<pcl::PointXYZ>::Ptr(new pcl::search::KdTree<pcl::PointXYZ>));
+  estimation.setKSearch(kParams.num_neighbors);
+  pcl::PointCloud<pcl::Normal> normals;
+  estimation.compute(normals);
+  const Surfels surfels = estimateSurfels(points, kParams);
+  std::vector<double> angles;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const Eigen::Vector3f normal = surfels.normals.col(i);
+    if (normal.isZero()) continue;
+    const Eigen::Vector3f other = normals[static_cast<std::size_t>(i)].getNormalVector3fMap();
+    angles.push_back(std::acos(std::min(1.0F, std::abs(normal.dot(other)))) * 180 / M_PI);
+  }
+  EXPECT_GT(static_cast<double>(angles.size()), 0.95 * static_cast<double>(points.cols()));
+  std::nth_element(angles.begin(), angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2), angles.end());
+  return angles[angles.size() / 2];
+}
+
+TEST(Surfels, NormalsAreThoseOfPcl) {
+  std::mt19937 random(3);
+  std::normal_distribution<float> gauss;
+  Points sphere(3, 3000);
+  for (Eigen::Index i = 0; i < sphere.cols(); ++i) {
+    sphere.col(i) = Eigen::Vector3f(gauss(random), gauss(random), gauss(random)).normalized();
+  }
+  EXPECT_LT(medianAngleToPcl(sphere), 2);
+  EXPECT_LT(medianAngleToPcl(noisyPlane(0).points), 0.1);
+  EXPECT_LT(medianAngleToPcl(noisyPlane(0.005).points), 2);
 }
 
 TEST(Surfels, OffsetsThinTheSlab) {
