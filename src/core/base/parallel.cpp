@@ -6,6 +6,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -41,7 +42,12 @@ void parallelFor(int num_threads, std::size_t count, const std::function<void(st
   };
   std::vector<std::thread> threads;
   threads.reserve(workers);
-  for (std::size_t w = 0; w < workers; ++w) threads.emplace_back(work);
+  try {
+    while (threads.size() + 1 < workers) threads.emplace_back(work);
+  } catch (const std::system_error&) {
+    // The system has no more threads: those that there are do all.
+  }
+  work();
   for (auto& thread : threads) thread.join();
   if (failure) std::rethrow_exception(failure);
 }
