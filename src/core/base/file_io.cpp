@@ -3,6 +3,7 @@
 #include "base/file_io.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -87,6 +88,12 @@ void File::writeAt(std::uint64_t offset, const void* bytes, std::size_t size) {
 
 void File::truncate(std::uint64_t size) {
   if (::ftruncate(descriptor_, static_cast<off_t>(size)) != 0) throwErrno("truncate", path_, errno);
+}
+
+bool File::tryLock(bool exclusive) {
+  if (::flock(descriptor_, (exclusive ? LOCK_EX : LOCK_SH) | LOCK_NB) == 0) return true;
+  if (errno != EWOULDBLOCK) throwErrno("lock", path_, errno);
+  return false;
 }
 
 void File::sync() {

@@ -26,8 +26,9 @@ class File {
   void readAt(std::uint64_t offset, void* bytes, std::size_t size) const;  ///< throws when the file is shorter
   void writeAt(std::uint64_t offset, const void* bytes, std::size_t size);
   void truncate(std::uint64_t size);
-  void sync();   ///< until the disk has it
-  void close();  ///< reports what a network or quota disk only reports here
+  bool tryLock(bool exclusive);  ///< until it is closed; false when another program's lock forbids it
+  void sync();                   ///< until the disk has it
+  void close();                  ///< reports what a network or quota disk only reports here
 
  private:
   std::string path_;

@@ -1,10 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_colorizer/recording/recorder.hpp"
-#include "cloud_colorizer/visibility/empty_space.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -22,7 +20,9 @@
 
 #include "base/file_io.hpp"
 #include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/visibility/empty_space.hpp"
 #include "recording/recording_files.hpp"
+#include "recording/tile_file.hpp"
 #include "recording/tile_grid.hpp"
 #include "recording/tile_writer.hpp"
 
@@ -85,7 +85,7 @@ void prepareDirectory(const std::string& directory) {
 
 File lockRecording(const std::string& directory) {
   File lock(directory + "/recorder.lock", O_RDWR | O_CREAT);
-  require(::flock(lock.descriptor(), LOCK_EX | LOCK_NB) == 0, "another program is recording into ", directory,
+  require(lock.tryLock(true), "another program is recording into ", directory,
           "; stop it, or record into another directory");
   return lock;
 }
@@ -392,7 +392,7 @@ Recording Recorder::snapshot() {
   state->cameras = impl_->cameras;
   state->views = impl_->views;
   state->scans = impl_->scans;
-  if (impl_->tiles) state->tiles = impl_->tiles->savedTiles();
+  if (impl_->tiles) state->tiles = listTiles(state->directory, state->fields);
   for (const auto& tile : state->tiles) state->num_points += tile.num_points;
   Recording recording;
   recording.state_ = std::move(state);

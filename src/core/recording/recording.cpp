@@ -25,16 +25,19 @@ bool isTornJpeg(const std::vector<std::uint8_t>& bytes) {
   return std::search(scan, bytes.end(), kEnd.begin(), kEnd.end()) == bytes.end();
 }
 
-cv::Mat decodeImage(const std::string& path, int flags, const Intrinsics& intrinsics) {
+/// Empty when the file is no whole image.
+cv::Mat decode(const std::string& path, int flags) {
   const auto bytes = readFile(path);
-  cv::Mat image;
-  if (!bytes.empty() && !isTornJpeg(bytes)) {
-    try {
-      image = cv::imdecode(bytes, flags);
-    } catch (const cv::Exception& error) {
-      throw std::runtime_error("image " + path + " cannot be decoded: " + error.what());
-    }
+  if (bytes.empty() || isTornJpeg(bytes)) return {};
+  try {
+    return cv::imdecode(bytes, flags);
+  } catch (const cv::Exception&) {  // such as a size beyond all bounds; it does not know the path
+    return {};
   }
+}
+
+cv::Mat decodeImage(const std::string& path, int flags, const Intrinsics& intrinsics) {
+  const cv::Mat image = decode(path, flags);
   require(!image.empty(), "image ", path, " cannot be decoded: it is no image of a known format, or damaged");
   require(image.cols == intrinsics.width && image.rows == intrinsics.height, "image ", path, " is ", image.cols, " x ",
           image.rows, ", but its camera in cameras.yaml has ", intrinsics.width, " x ", intrinsics.height);
@@ -137,8 +140,7 @@ cv::Mat Recording::readMask(std::size_t camera) const {
 
 cv::Mat1w Recording::readScan(std::size_t scan) const {
   const std::string path = state_->directory + '/' + state_->scans.at(scan).image;
-  const auto bytes = readFile(path);
-  const cv::Mat panorama = bytes.empty() ? cv::Mat() : cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+  const cv::Mat panorama = decode(path, cv::IMREAD_UNCHANGED);
   require(panorama.type() == CV_16UC1 && !panorama.empty(), "scan ", path,
           " is damaged: it is no image of 16 bit ranges; delete scans.csv to colour without scans");
   return panorama;

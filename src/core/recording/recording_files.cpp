@@ -83,6 +83,7 @@ RecordedCamera parseCamera(const YAML::Node& node) {
   camera.intrinsics.model = distortionModelFromString(node["distortion_model"].as<std::string>());
   camera.intrinsics.distortion = node["distortion"].as<std::vector<double>>();
   camera.mask = node["mask"].as<std::string>();
+  const Camera checked(camera.intrinsics);
   return camera;
 }
 

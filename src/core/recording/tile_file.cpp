@@ -74,7 +74,7 @@ std::vector<Tile> listTiles(const std::string& directory, const std::vector<Fiel
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     Tile tile;
     if (entry.path().extension() != ".pcd" || !tileIndexFromName(entry.path().stem().string(), tile.index)) continue;
-    tile.num_points = countPoints(File(entry.path().string(), O_RDONLY), fields);
+    tile.num_points = countTilePoints(directory, tile.index, fields);
     if (tile.num_points > 0) tiles.push_back(tile);
   }
   std::sort(tiles.begin(), tiles.end(), [](const Tile& a, const Tile& b) { return a.index < b.index; });
@@ -101,10 +101,17 @@ std::vector<std::uint8_t> readTileColumns(const std::string& directory, const Ti
   return columns;
 }
 
-void appendToTile(const std::string& directory, const TileIndex& index, const std::vector<Field>& fields,
-                  std::uint64_t num_points, const std::vector<std::uint8_t>& records) {
+std::uint64_t countTilePoints(const std::string& directory, const TileIndex& index, const std::vector<Field>& fields) {
+  const std::string path = tilePath(directory, index);
+  return std::filesystem::exists(path) ? countPoints(File(path, O_RDONLY), fields) : 0;
+}
+
+std::uint64_t appendToTile(const std::string& directory, const TileIndex& index, const std::vector<Field>& fields,
+                           std::uint64_t num_points, const std::vector<std::uint8_t>& records) {
   const auto record_size = kPositionSize + recordSize(fields);
   const auto added = records.size() / record_size;
+  // Writing behind the end of a file that was cut would fill the gap with zeros: points that nobody measured.
+  num_points = std::min(num_points, countTilePoints(directory, index, fields));
   File file(tilePath(directory, index), O_RDWR | O_CREAT);
   const auto header = pcdHeader(fields, false, num_points);
   const auto end = header.size() + num_points * record_size;
@@ -114,6 +121,7 @@ void appendToTile(const std::string& directory, const TileIndex& index, const st
   const auto new_header = pcdHeader(fields, false, num_points + added);
   file.writeAt(0, new_header.data(), new_header.size());
   file.close();
+  return num_points + added;
 }
 
 }  // namespace cloud_colorizer

@@ -98,7 +98,8 @@ VoxelSet TileWriter::savedVoxels(const TileIndex& index) const {
   VoxelSet voxels;
   const auto saved = num_saved_.find(index);
   if (saved == num_saved_.end()) return voxels;
-  const auto bytes = readTileColumns(directory_, {index, saved->second}, fields_, 0, kPositionSize);
+  const std::uint64_t num_points = std::min(saved->second, countTilePoints(directory_, index, fields_));
+  const auto bytes = readTileColumns(directory_, {index, num_points}, fields_, 0, kPositionSize);
   for (std::size_t offset = 0; offset < bytes.size(); offset += kPositionSize) {
     std::array<float, 3> position{};
     std::memcpy(position.data(), bytes.data() + offset, kPositionSize);
@@ -120,22 +121,15 @@ void TileWriter::closeLeastRecentlyUsed() {
 void TileWriter::save(const TileIndex& index, OpenTile& tile) {
   if (tile.pending.empty()) return;
   auto& num_saved = num_saved_[index];
-  appendToTile(directory_, index, fields_, num_saved, tile.pending);
-  num_saved += tile.pending.size() / record_size_;
+  const std::uint64_t num_in_file = appendToTile(directory_, index, fields_, num_saved, tile.pending);
+  num_points_ -= num_saved + tile.pending.size() / record_size_ - num_in_file;  // what something has cut off
+  num_saved = num_in_file;
   num_pending_bytes_ -= tile.pending.size();
   tile.pending.clear();
 }
 
 void TileWriter::flush() {
   for (auto& [index, tile] : open_tiles_) save(index, *tile);
-}
-
-std::vector<Tile> TileWriter::savedTiles() const {
-  std::vector<Tile> tiles;
-  for (const auto& [index, num_points] : num_saved_) {
-    if (num_points > 0) tiles.push_back({index, num_points});
-  }
-  return tiles;
 }
 
 }  // namespace cloud_colorizer

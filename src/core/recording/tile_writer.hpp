@@ -36,7 +36,6 @@ class TileWriter {
   void flush();
   std::size_t numPoints() const { return num_points_; }  ///< also those that are not yet in a file
   std::size_t numPendingBytes() const { return num_pending_bytes_; }
-  std::vector<Tile> savedTiles() const;  ///< what the files hold
 
  private:
   struct OpenTile {

@@ -53,5 +53,17 @@ TEST(FileIo, FullDiskIsReportedAndTheOldFileStays) {
   EXPECT_EQ(scratch.numFiles(), 1U);
 }
 
+TEST(File, ALockIsSharedOrNotAndOtherFailuresSayTheirReason) {
+  ScratchDirectory scratch;
+  const std::string path = scratch / "lock";
+  File first(path, O_RDWR | O_CREAT), second(path, O_RDONLY);
+  EXPECT_TRUE(first.tryLock(false));
+  EXPECT_TRUE(second.tryLock(false));
+  EXPECT_FALSE(second.tryLock(true));
+  first.close();
+  EXPECT_TRUE(second.tryLock(true));
+  EXPECT_ERROR(first.tryLock(true), "cannot lock " + path);
+}
+
 }  // namespace
 }  // namespace cloud_colorizer

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
@@ -410,6 +411,61 @@ TEST(Recording, TornTailsAreIgnoredAndCutWhenContinued) {
   EXPECT_EQ(pointsById(recording).size(), 4U);
   EXPECT_EQ(recording.views().size(), 2U);
   EXPECT_EQ(readText(tile).size(), whole.size() + 16);
+}
+
+/// Cuts the only tile of a recording to half of its bytes; tells how many points are then left.
+std::size_t cutTile(const std::string& directory) {
+  const auto path = std::filesystem::directory_iterator(directory + "/tiles")->path();
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  return Recording::open(directory).numPoints();
+}
+
+TEST(Recording, ATileThatIsCutLosesPointsAndGetsNone) {
+  for (const bool tile_is_open : {true, false}) {
+    ScratchDirectory scratch;
+    auto params = everything();
+    params.voxel_size = 0;
+    params.tile_size = 100;
+    params.max_open_tiles = 1;
+    Recorder recorder(scratch.path(), "map", params);
+    const auto atOneSide = [](unsigned seed, double x) {
+      auto positions = randomPositions(1000, 10, seed);
+      for (auto& position : positions) position += Vector3d(x, 50, 50);
+      return positions;
+    };
+    const auto first = atOneSide(1, 50);
+    recorder.addCloud(numbered(first), Isometry3d::Identity());
+    recorder.flush();
+    const std::size_t num_left = cutTile(scratch.path());
+    ASSERT_GT(num_left, 300U);
+    ASSERT_LT(num_left, 700U);
+    EXPECT_EQ(recorder.snapshot().numPoints(), num_left);
+    if (!tile_is_open) recorder.addCloud(numbered(atOneSide(2, -50), 1000), Isometry3d::Identity());
+    recorder.addCloud(numbered(atOneSide(3, 50), 2000), Isometry3d::Identity());
+    const std::size_t num_points = num_left + (tile_is_open ? 1000 : 2000);
+    EXPECT_EQ(recorder.snapshot().numPoints(), num_points);
+    EXPECT_EQ(recorder.numPoints(), num_points);
+    const auto points = pointsById(Recording::open(scratch.path()));
+    EXPECT_EQ(points.size(), num_points);
+    for (const auto& [id, position] : points) {
+      EXPECT_GT(position.cwiseAbs().minCoeff(), 35) << id;
+      EXPECT_TRUE(id >= 1000 || position == first[id].cast<float>());
+    }
+  }
+}
+
+TEST(Recording, AnImageSizeThatNoImageHasIsRefused) {
+  ScratchDirectory scratch;
+  { Recorder(scratch.path(), "map", everything()).setCamera("camera_0", smallCamera()); }
+  const std::string path = scratch / "cameras.yaml";
+  const std::string text = readText(path);
+  for (const char* width : {"2000000000", "-8", "40000000"}) {
+    std::string changed = text;
+    changed.replace(changed.find("width: 8"), 8, std::string("width: ") + width);
+    writeText(path, changed);
+    EXPECT_ERROR(Recording::open(scratch.path()), "cameras.yaml");
+    EXPECT_ERROR(Recording::open(scratch.path()), width);
+  }
 }
 
 TEST(Recording, DamageIsReportedWithTheFile) {
