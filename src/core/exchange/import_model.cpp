@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
+#include <opencv2/imgcodecs.hpp>
 #include <vector>
 
+#include "base/file_io.hpp"
+#include "base/parallel.hpp"
 #include "base/progress.hpp"
+#include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "cloud_colorizer/exchange/colmap.hpp"
@@ -44,6 +46,15 @@ Extent measureCloud(const std::string& path, const Callbacks& callbacks) {
   return extent;
 }
 
+/// Empty where the file cannot be decoded.
+cv::Size imageSize(const std::string& path) {
+  try {
+    return cv::imread(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION).size();
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
 double chooseTileSize(const Extent& extent) {
   const double side = std::max(extent.box.sizes().maxCoeff(), 1e-6);
   const double share = std::sqrt(kPointsPerTile / static_cast<double>(extent.num_points));
@@ -63,18 +74,22 @@ void importCloud(const std::string& path, const Extent& extent, Recorder& record
   }
 }
 
-std::vector<std::uint8_t> readFile(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  require(file.good(), "cannot read image ", path.string());
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-std::string extensionOf(const std::string& name) {
-  std::string extension = fs::path(name).extension().string();
-  if (!extension.empty()) extension.erase(0, 1);
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
+/// Before anything is made of them. What cannot be decoded passes: the colouring leaves it out.
+void checkImages(const std::string& folder, const ColmapModel& model, const Callbacks& callbacks) {
+  for (const ColmapImage& image : model.images) {
+    require(fs::is_regular_file(fs::path(folder) / image.name), "image ", image.name, " of the model is not in ",
+            folder);
+  }
+  ProgressMeter progress(callbacks, "check images", model.images.size());
+  parallelFor(0, model.images.size(), [&](std::size_t i) {
+    const Intrinsics& camera = model.cameras[model.images[i].camera];
+    const std::string& name = model.images[i].name;
+    const cv::Size size = imageSize((fs::path(folder) / name).string());
+    require(size.empty() || size == cv::Size(camera.width, camera.height), "image ", name, " in ", folder, " is ",
+            size.width, " x ", size.height, " px, but its camera in the model has ", camera.width, " x ", camera.height,
+            "; give the images that the model was made from, or a model that was scaled with them");
+    progress.add(1);
+  });
 }
 
 void importViews(const ModelFiles& files, const ColmapModel& model, Recorder& recorder, const Callbacks& callbacks) {
@@ -87,7 +102,7 @@ void importViews(const ModelFiles& files, const ColmapModel& model, Recorder& re
     const ColmapImage& image = model.images[i];
     // A model has no times; the order of the images stands for it.
     recorder.addView(cameras[image.camera], static_cast<double>(i), image.map_from_camera,
-                     readFile(fs::path(files.images) / image.name), extensionOf(image.name));
+                     readFile((fs::path(files.images) / image.name).string()), lowerExtension(image.name).erase(0, 1));
     progress.add(1);
   }
 }
@@ -101,10 +116,7 @@ Recording importModel(const ModelFiles& files, const std::string& directory, con
           " already holds a recording; colour it with `colorize`, or name another folder");
   const ColmapModel model = readColmapModel(files.model);
   require(!model.images.empty(), files.model, "/images.txt lists no images");
-  for (const ColmapImage& image : model.images) {
-    require(fs::is_regular_file(fs::path(files.images) / image.name), "image ", image.name, " of the model is not in ",
-            files.images);
-  }
+  checkImages(files.images, model, callbacks);
   const Extent extent = measureCloud(files.cloud, callbacks);
   RecordParams adapted = params;
   adapted.min_range = 0;

@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_colorizer/exchange/import_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+
+#include "cloud_colorizer/cloud/cloud_io.hpp"
+#include "cloud_colorizer/exchange/colmap.hpp"
+#include "core/scratch.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+/// A cloud of 1000 points about (500, -200, 30), and two photos in folders.
+class ImportModel : public ::testing::Test {
+ protected:
+  ImportModel() {
+    cloud_.fields = {{"intensity", FieldType::kFloat32, 1}};
+    cloud_.positions = Eigen::Matrix3Xd::Random(3, 1000).colwise() + Eigen::Vector3d(500, -200, 30);
+    cloud_.records.assign(4000, 1);
+    CloudWriter writer(files_.cloud, 1000, cloud_.fields, true);
+    writer.write(cloud_);
+    writer.finish();
+    model_.cameras.push_back({64, 48, 50, 50, 31.5, 23.5, DistortionModel::kPlumbBob, {}});
+    for (const char* name : {"left/a.PNG", "b.jpg"}) {
+      Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+      pose.translation() << 500, -200, 25.0 + static_cast<double>(model_.images.size());
+      model_.images.push_back({0, pose, name});
+      writeImage(name, 64, 48);
+    }
+    writeColmapModel(files_.model, model_);
+  }
+
+  void writeImage(const std::string& name, int width, int height) {
+    const std::filesystem::path path = files_.images + "/" + name;
+    std::filesystem::create_directories(path.parent_path());
+    cv::imwrite(path.string(), cv::Mat3b(height, width, cv::Vec3b(1, 2, 3)));
+  }
+
+  Recording import() {
+    RecordParams params;
+    params.voxel_size = 0;
+    return importModel(files_, scratch_ / "r", params, {});
+  }
+
+  ScratchDirectory scratch_;
+  ModelFiles files_{scratch_ / "map.ply", scratch_ / "images", scratch_ / "model"};
+  ColmapModel model_;
+  Cloud cloud_;
+};
+
+TEST_F(ImportModel, HasAllPointsViewsAndPoses) {
+  const Recording recording = import();
+  EXPECT_EQ(recording.numPoints(), 1000U);
+  ASSERT_EQ(recording.fields().size(), 1U);
+  EXPECT_EQ(recording.fields()[0].name, "intensity");
+  ASSERT_EQ(recording.views().size(), 2U);
+  for (std::size_t v = 0; v < 2; ++v) {
+    const Eigen::Vector3d at = recording.views()[v].map_from_camera.translation() + recording.origin();
+    EXPECT_LT((at - model_.images[v].map_from_camera.translation()).norm(), 1e-6);
+    EXPECT_EQ(recording.readImage(v).size(), cv::Size(64, 48));
+  }
+  Eigen::AlignedBox3d box;
+  for (std::size_t tile = 0; tile < recording.tiles().size(); ++tile) {
+    const Points points = recording.readPoints(tile);
+    for (Eigen::Index i = 0; i < points.cols(); ++i) box.extend(points.col(i).cast<double>() + recording.origin());
+  }
+  EXPECT_LT((box.min() - cloud_.positions.rowwise().minCoeff()).norm(), 1e-3);
+  EXPECT_LT((box.max() - cloud_.positions.rowwise().maxCoeff()).norm(), 1e-3);
+}
+
+TEST_F(ImportModel, APhotoOfAnotherSizeIsToldBeforeTheWork) {
+  writeImage("left/a.PNG", 32, 24);
+  files_.cloud = scratch_ / "nowhere.ply";  // not looked at before the photos
+  const std::string message = messageOf([&] { import(); });
+  for (const char* part : {"left/a.PNG", "32 x 24", "64 x 48", "scaled"}) {
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  }
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "r"));
+}
+
+TEST_F(ImportModel, APhotoThatIsMissingIsNamed) {
+  std::filesystem::remove(files_.images + "/b.jpg");
+  EXPECT_ERROR(import(), "b.jpg");
+}
+
+TEST_F(ImportModel, APhotoThatIsDamagedIsLeftToTheColouring) {
+  writeText(files_.images + "/b.jpg", "no image");
+  EXPECT_EQ(import().views().size(), 2U);
+}
+
+TEST_F(ImportModel, WhatIsNotThereAndWhatIsAlreadyThereAreRefused) {
+  import();
+  EXPECT_ERROR(import(), "already holds a recording");
+  files_.images = scratch_ / "nowhere";
+  EXPECT_ERROR(importModel(files_, scratch_ / "other", {}, {}), "nowhere");
+}
+
+TEST_F(ImportModel, ACloudWithoutPointsIsRefused) {
+  CloudWriter writer(files_.cloud, 0, {}, true);
+  writer.finish();
+  EXPECT_ERROR(import(), "no point");
+}
+
+}  // namespace
+}  // namespace cloud_colorizer
