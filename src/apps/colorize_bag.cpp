@@ -66,9 +66,11 @@ void record(const CommandLine& line, const std::string& directory, const Callbac
 
 void run(const CommandLine& line, const Callbacks& callbacks) {
   checkOutputs(line);
-  const RecordingFolder scratch(line.option("recording"), line.option("output"));
+  RecordingFolder scratch(line.option("recording"), line.option("output"), callbacks);
   record(line, scratch.path(), callbacks);
+  scratch.setWhole();
   colorAndSave(Recording::open(scratch.path()), line, callbacks);
+  scratch.setDone();
 }
 
 }  // namespace

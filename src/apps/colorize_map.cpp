@@ -42,10 +42,12 @@ int main(int argc, char** argv) {
         std::filesystem::equivalent(line.option(kWriteModelOption.name), line.option("model"), ignored)) {
       throw UsageError("--write-model would replace the --model that is read; give it another folder");
     }
-    const RecordingFolder scratch(line.option("recording"), line.option("output"));
+    RecordingFolder scratch(line.option("recording"), line.option("output"), callbacks);
     const Recording recording = importModel({line.option("cloud"), line.option("images"), line.option("model")},
                                             scratch.path(), line.params.record, callbacks);
+    scratch.setWhole();
     const auto names = writes_model ? imageNames(line.option("model")) : std::vector<std::string>{};
     colorAndSave(recording, line, callbacks, names);
+    scratch.setDone();
   });
 }
