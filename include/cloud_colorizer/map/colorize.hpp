@@ -21,21 +21,22 @@ namespace cloud_colorizer {
 struct ColorizeSummary {
   std::size_t num_points = 0, num_colored = 0;
   std::array<std::size_t, 6> by_reason{};  ///< number of points, by Unseen
+  std::size_t num_damaged_views = 0;       ///< left out, since their images cannot be used
   double seconds = 0;
   std::string describe() const;  ///< one line for the log
 };
 
-/// Colours every tile: surfels, depth images, (alignment,) chunks. Finished units of work are kept in the recording
-/// and used again when the same recording is coloured with the same parameters.
+/// Colours every tile: surfels, depth images, (alignment,) chunks. A view whose image is damaged is left out. Finished
+/// units of work are kept in the recording and used again when the same recording is coloured with the same parameters.
 /// Throws std::runtime_error with reason and remedy when there is nothing to colour or from.
 ColorizeSummary colorize(const Recording& recording, const Params& params, const Callbacks& callbacks);
 
 /// map_from_camera of every view, relative to the origin: corrected when colorize() aligned the recording with these
-/// parameters, else as recorded.
+/// parameters; as recorded where nothing was aligned. Throws when the alignment is of other parameters or views.
 std::vector<Eigen::Isometry3d> usedPoses(const Recording& recording, const Params& params);
 
-/// Fields of the coloured map: those of the recording (a clash gets the prefix "input_"), then rgb (FLOAT32, packed),
-/// view_count (UINT16), color_stddev (FLOAT32).
+/// Fields of the coloured map: those of the recording (a clash gets the prefix "input_"; what an earlier run added is
+/// replaced), then rgb (FLOAT32, packed), view_count (UINT16), color_stddev (FLOAT32).
 std::vector<Field> coloredFields(const Recording& recording);
 
 /// Visits the coloured map tile by tile (after colorize). Positions are relative to the origin where `relative`.

@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/file_io.hpp"
 #include "base/position_hash.hpp"
 #include "cloud_colorizer/alignment/align.hpp"
-#include "cloud_colorizer/cloud/cloud_io.hpp"
+#include "map/fingerprint.hpp"
+#include "map/memory_plan.hpp"
 #include "map/stages.hpp"
 
 namespace cloud_colorizer {
@@ -28,7 +27,7 @@ Sample samplePoints(Workspace& work) {
   const Recording& recording = work.recording();
   const double wanted = work.params().alignment.alignment_points / kViewsPerPoint;
   const double share =
-      wanted * static_cast<double>(recording.views().size()) / static_cast<double>(recording.numPoints());
+      wanted * static_cast<double>(work.usableViews().size()) / static_cast<double>(recording.numPoints());
   const std::vector<Field>& fields = recording.fields();
   const auto found = findField(fields, "intensity");
   const auto field = found ? found : findField(fields, "reflectivity");
@@ -58,32 +57,32 @@ AlignmentInput makeInput(Workspace& work) {
   Sample sample = samplePoints(work);
   AlignmentInput input;
   for (const auto& camera : recording.cameras()) input.cameras.emplace_back(camera.intrinsics);
-  input.views = recording.views();
-  input.images = [&work](std::size_t view) { return work.image(view); };
+  // The others are left out before, and have no part in anything.
+  const std::vector<std::size_t>& views = work.usableViews();
+  for (const std::size_t view : views) input.views.push_back(recording.views()[view]);
+  input.images = [&work, &views](std::size_t k) { return work.image(views[k]); };
   input.masks = [&work](std::uint32_t camera) { return work.mask(camera); };
   input.points = std::move(sample.surface.points);
   input.surfels = std::move(sample.surface.surfels);
   input.intensity = std::move(sample.intensity);
-  input.depth = [&work](std::size_t view, const Eigen::Isometry3d& pose) {
-    return std::make_shared<const DepthImage>(renderDepth(work, view, pose));
+  input.depth = [&work, &views](std::size_t k, const Eigen::Isometry3d& pose) {
+    return std::make_shared<const DepthImage>(renderDepth(work, views[k], pose));
   };
   input.depth_params = work.params().depth;
   input.num_threads = work.params().colorize.num_threads;
-  input.memory_limit = 0.6 * work.params().colorize.memory_limit;
+  input.memory_limit = static_cast<double>(MemoryPlan(work.params().colorize.memory_limit).alignment()) / 1e6;
   return input;
 }
 
 /// Text, numbers and a picture of what was found.
-void writeReport(const Workspace& work, const AlignmentResult& result) {
-  const std::filesystem::path folder = std::filesystem::path(work.recording().directory()) / "alignment";
-  std::filesystem::create_directories(folder);
-  const auto write = [&](const char* name, const auto& bytes) {
-    writeFileAtomically((folder / name).string(), bytes.data(), bytes.size());
+void writeReport(const DerivedFiles& files, const std::vector<View>& views, const AlignmentResult& result) {
+  const auto write = [&](const std::string& name, const auto& bytes) {
+    writeFileAtomically(files.pathOf(kAlignmentFolder + ('/' + name)), bytes.data(), bytes.size());
   };
   std::string text = describe(result) + '\n';
   for (const std::string& warning : result.warnings) text += "Warning: " + warning + '\n';
   write("report.txt", text);
-  write("views.csv", alignmentCsv(result, work.recording().views()));
+  write("views.csv", alignmentCsv(result, views));
   std::vector<std::uint8_t> png;
   cv::imencode(".png", alignmentPicture(result), png);
   write("report.png", png);
@@ -92,16 +91,19 @@ void writeReport(const Workspace& work, const AlignmentResult& result) {
 }  // namespace
 
 void alignViews(Workspace& work, const Callbacks& callbacks) {
-  const Params& params = work.params();
-  const bool wanted = params.alignment.align_exposure || params.alignment.align_poses != AlignPoses::kNone;
-  if (params.colorize.method != Method::kDefault || !wanted || work.restoreCorrections()) return;
+  if (!work.aligns() || work.restoreCorrections()) return;
+  const DerivedFiles& files = work.files();
+  files.claim(kAlignmentFolder, alignmentKey(work.recording(), work.params(), work.damagedViews()));
 
-  const AlignmentResult result = align(makeInput(work), params.alignment, callbacks);
-  std::vector<CorrectedView> corrected;
-  for (const ViewAlignment& view : result.views) {
-    corrected.push_back({view.map_from_camera, view.exposure, view.weight});
+  const AlignmentInput input = makeInput(work);
+  const AlignmentResult result = align(input, work.params().alignment, callbacks);
+  std::vector<CorrectedView> corrected = work.corrections();
+  for (std::size_t k = 0; k < result.views.size(); ++k) {
+    const ViewAlignment& view = result.views[k];
+    corrected[work.usableViews()[k]] = {view.map_from_camera, view.exposure, view.weight};
   }
-  writeReport(work, result);
+  writeReport(files, input.views, result);
+  files.writeCorrections(corrected);
   work.correctViews(std::move(corrected));
   if (callbacks.log) {
     callbacks.log(LogLevel::kInfo, describe(result));

@@ -8,18 +8,15 @@
 #include "base/progress.hpp"
 #include "cloud_colorizer/color/point_colors.hpp"
 #include "cloud_colorizer/map/chunks.hpp"
+#include "map/fingerprint.hpp"
 #include "map/memory_budget.hpp"
+#include "map/memory_plan.hpp"
 #include "map/stages.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
 using Eigen::Index;
-
-/// Bytes that a point of a chunk takes at most while it is coloured, seen from 20 views; measured, rounded up.
-constexpr double kBytesPerPoint = 1400;
-/// Share of memory_limit for chunks; the rest is for the caches of the workspace.
-constexpr double kChunkShare = 0.55;
 
 /// The points of a chunk: its core tiles one after the other, then what lies in its halo.
 Surface gatherChunk(Workspace& work, const Chunk& chunk) {
@@ -73,7 +70,7 @@ void writeCore(const Workspace& work, const Chunk& chunk, const std::vector<Inde
       out.stddev[i] = colors.stddev[k];
       out.unseen[i] = unseen[static_cast<std::size_t>(k)];
     }
-    work.writeColors(tile, out);
+    work.files().writeColors(tile, out);
   }
 }
 
@@ -106,13 +103,15 @@ void colorChunks(Workspace& work, const ToneField& tone, const Callbacks& callba
                    [](const Chunk& a, const Chunk& b) { return a.num_points_with_halo > b.num_points_with_halo; });
   const ZOrderGrid grid = globalGrid(recording);
 
-  MemoryBudget memory(params.colorize.memory_limit * 1e6 * kChunkShare);
+  const DerivedFiles& files = work.files();
+  files.claim(kColorsFolder, colorsKey(recording, params, work.damagedViews(), work.corrections()));
+  MemoryBudget memory(static_cast<double>(MemoryPlan(params.colorize.memory_limit).chunks()));
   ProgressMeter progress(callbacks, "colour", recording.numPoints());
   parallelFor(params.colorize.num_threads, chunks.size(), [&](std::size_t c) {
     const auto& tiles = chunks[c].core_tiles;
-    const bool todo = !std::all_of(tiles.begin(), tiles.end(), [&](std::size_t tile) { return work.hasColors(tile); });
+    const bool todo = !std::all_of(tiles.begin(), tiles.end(), [&](std::size_t tile) { return files.hasColors(tile); });
     if (todo) {
-      const MemoryBudget::Share share(memory, chunks[c].num_points_with_halo * kBytesPerPoint);
+      const MemoryBudget::Share share(memory, MemoryPlan::chunkBytes(chunks[c].num_points_with_halo));
       colorChunk(work, chunks[c], grid, tone);
     }
     progress.add(chunks[c].num_core_points, todo);

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "cloud_colorizer/base/check.hpp"
+#include "recording/tile_range.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -98,7 +99,7 @@ Chunk makeChunk(const Cube& cube, const std::vector<Tile>& tiles, double tile_si
   chunk.box_with_halo = {(low - halo).matrix().cast<float>(), (low + side + halo).matrix().cast<float>()};
   chunk.num_points_with_halo = static_cast<double>(chunk.num_core_points);
   if (halo <= 0) return chunk;
-  for (std::size_t id = 0; id < tiles.size(); ++id) {
+  for (const std::size_t id : tilesAround(tiles, tile_size, chunk.box_with_halo.cast<double>())) {
     const Eigen::Array3d tile_low = lowCorner(tiles[id].index);
     const Eigen::Array3d common = (tile_low + tile_size).min(low + side + halo) - tile_low.max(low - halo);
     if (!(common > 0).all() || std::binary_search(chunk.core_tiles.begin(), chunk.core_tiles.end(), id)) continue;

@@ -1,16 +1,19 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "map/colored_map.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <iterator>
 #include <set>
 #include <sstream>
 
 #include "base/progress.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
-#include "cloud_colorizer/map/colorize.hpp"
-#include "map/stages.hpp"
+#include "map/fingerprint.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -36,13 +39,26 @@ void append(const ColorRecord& color, std::uint8_t* out) {
   std::memcpy(out + 6, &color.stddev, 4);
 }
 
+/// The fields of a recording that go into its coloured map. Not the colours that an earlier run of this program gave a
+/// map which is coloured again: they are replaced.
+std::vector<Field> keptFields(const std::vector<Field>& fields) {
+  static const std::set<std::string> kOurs = {"rgb", "red", "green", "blue", "view_count", "color_stddev"};
+  if (!findField(fields, "view_count") || !findField(fields, "color_stddev")) return fields;
+  std::vector<Field> kept;
+  std::copy_if(fields.begin(), fields.end(), std::back_inserter(kept),
+               [](const Field& field) { return kOurs.count(field.name) == 0; });
+  return kept;
+}
+
 /// The tile as a cloud, without the points for which `keep` is false.
 Cloud makeCloud(const Recording& recording, std::size_t tile, const TileColors& colors, bool relative,
                 const std::vector<bool>& keep) {
   const Points points = recording.readPoints(tile);
   const std::vector<std::uint8_t> records = recording.readRecords(tile);
-  const std::size_t in_bytes = recordSize(recording.fields());
-  const std::size_t out_bytes = in_bytes + kColorRecordBytes;
+  const std::vector<Field> kept = keptFields(recording.fields());
+  const RecordMap record_map(recording.fields(), kept);
+  const std::size_t in_bytes = recordSize(recording.fields()), kept_bytes = recordSize(kept);
+  const std::size_t out_bytes = kept_bytes + kColorRecordBytes;
   const Eigen::Vector3d origin = relative ? Eigen::Vector3d::Zero() : recording.origin();
 
   Cloud cloud;
@@ -56,8 +72,8 @@ Cloud makeCloud(const Recording& recording, std::size_t tile, const TileColors& 
     if (!keep[i]) continue;
     const auto column = static_cast<Index>(i);
     cloud.positions.col(next++) = points.col(column).cast<double>() + origin;
-    if (in_bytes > 0) std::memcpy(out, records.data() + i * in_bytes, in_bytes);
-    append({packColor(colors.values.col(column)), colors.count[i], colors.stddev[i]}, out + in_bytes);
+    if (kept_bytes > 0) record_map.copy(records.data() + i * in_bytes, out);
+    append({packColor(colors.values.col(column)), colors.count[i], colors.stddev[i]}, out + kept_bytes);
     out += out_bytes;
   }
   return cloud;
@@ -68,8 +84,11 @@ class ColoredTiles {
  public:
   ColoredTiles(const Recording& recording, const Params& params)
       : lock_(recording.directory(), false), work_(recording, params) {
+    work_.restoreDamagedViews();
     work_.restoreCorrections();
-    work_.requireColors();
+    require(work_.files().holds(kColorsFolder, colorsKey(recording, params, work_.damagedViews(), work_.corrections())),
+            "the colours in ", recording.directory(),
+            " were made with other parameters or from fewer points; colour it again first");
   }
 
   std::size_t numPoints() const {
@@ -78,7 +97,7 @@ class ColoredTiles {
 
   void visit(bool relative, const std::function<void(const Cloud&)>& visitor) {
     for (std::size_t tile = 0; tile < work_.recording().tiles().size(); ++tile) {
-      TileColors colors = work_.readColors(tile);
+      TileColors colors = work_.files().readColors(tile);
       if (uncolored() == Uncolored::kFill) fillUncolored(work_, tile, colors);
       std::vector<bool> keep(colors.count.size());
       for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = uncolored() != Uncolored::kDrop || colors.count[i] > 0;
@@ -96,10 +115,15 @@ class ColoredTiles {
 }  // namespace
 
 std::vector<Field> coloredFields(const Recording& recording) {
-  static const std::set<std::string> ours = {"rgb", "rgba", "red", "green", "blue", "view_count", "color_stddev"};
-  std::vector<Field> fields = recording.fields();
+  static const std::set<std::string> kOurs = {"rgb", "rgba", "red", "green", "blue", "view_count", "color_stddev"};
+  std::vector<Field> fields = keptFields(recording.fields());
+  std::set<std::string> given;
+  for (const Field& field : fields) given.insert(field.name);
   for (Field& field : fields) {
-    if (ours.count(field.name) != 0) field.name = "input_" + field.name;
+    if (kOurs.count(field.name) == 0) continue;
+    do field.name = "input_" + field.name;
+    while (given.count(field.name) != 0);
+    given.insert(field.name);
   }
   fields.push_back({"rgb", FieldType::kFloat32, 1});
   fields.push_back({"view_count", FieldType::kUint16, 1});
@@ -127,14 +151,28 @@ std::size_t saveColored(const Recording& recording, const Params& params, const 
   return num_points;
 }
 
+std::vector<Eigen::Isometry3d> usedPoses(const Recording& recording, const Params& params) {
+  const FolderLock lock(recording.directory(), false);
+  Workspace work(recording, params);
+  work.restoreDamagedViews();
+  const bool aligned = work.restoreCorrections();
+  require(aligned || !work.aligns() || !std::filesystem::exists(work.files().pathOf(kAlignmentFolder)), "the poses in ",
+          work.files().pathOf(kAlignmentFolder),
+          " were found with other parameters or from other views, or are damaged; colour the recording again first");
+  std::vector<Eigen::Isometry3d> poses;
+  for (const CorrectedView& view : work.corrections()) poses.push_back(view.map_from_camera);
+  return poses;
+}
+
 ColorizeSummary summarize(const Workspace& work) {
   ColorizeSummary summary;
   for (std::size_t tile = 0; tile < work.recording().tiles().size(); ++tile) {
-    for (const Unseen reason : work.readColors(tile).unseen) {
+    for (const Unseen reason : work.files().readColors(tile).unseen) {
       ++summary.num_points;
       ++summary.by_reason[static_cast<std::size_t>(reason)];
     }
   }
+  summary.num_damaged_views = work.damagedViews().size();
   summary.num_colored = summary.by_reason[static_cast<std::size_t>(Unseen::kSeen)];
   return summary;
 }
@@ -147,6 +185,7 @@ std::string ColorizeSummary::describe() const {
        << " s; the others: " << reason(Unseen::kOutside) << " in no image, " << reason(Unseen::kTooFar)
        << " beyond max_view_distance, " << reason(Unseen::kHidden) << " hidden, " << reason(Unseen::kAbsent)
        << " gone when images were taken, " << reason(Unseen::kMasked) << " masked";
+  if (num_damaged_views > 0) text << "; views left out because of their images: " << num_damaged_views;
   return text.str();
 }
 

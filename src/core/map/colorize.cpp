@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_colorizer/map/colorize.hpp"
 
-#include <chrono>
-
+#include "base/stop_watch.hpp"
 #include "cloud_colorizer/base/check.hpp"
-#include "map/kept_memory.hpp"
+#include "map/colored_map.hpp"
 #include "map/stages.hpp"
 
 namespace cloud_colorizer {
@@ -21,33 +20,22 @@ void requireColorable(const Recording& recording) {
 }  // namespace
 
 ColorizeSummary colorize(const Recording& recording, const Params& params, const Callbacks& callbacks) {
-  const auto start = std::chrono::steady_clock::now();
+  StopWatch watch;
   params.check();
   requireColorable(recording);
 
   const FolderLock lock(recording.directory(), true);
-  const KeptMemory kept_memory;
   Workspace work(recording, params);
-  work.prepareAlignment();
-  makeSurfels(work, callbacks);  // per tile: what closes the surface between the points
-  alignViews(work, callbacks);   // all views: exposure and small corrections of the poses
-  work.prepareColors();
+  checkImages(work, callbacks);                      // per view: is its image whole
+  makeSurfels(work, callbacks);                      // per tile: what closes the surface between the points
+  alignViews(work, callbacks);                       // all views: exposure and small corrections of the poses
   makeDepthImages(work, callbacks);                  // per view: what it can see of the whole map
   const ToneField tone = makeTone(work, callbacks);  // whole map: what the exposures did to each place
   colorChunks(work, tone, callbacks);                // per chunk: observe, graph, system, solve; eq. (1)-(5)
 
   ColorizeSummary summary = summarize(work);
-  summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  summary.seconds = watch.lap();
   return summary;
-}
-
-std::vector<Eigen::Isometry3d> usedPoses(const Recording& recording, const Params& params) {
-  const FolderLock lock(recording.directory(), false);
-  Workspace work(recording, params);
-  work.restoreCorrections();
-  std::vector<Eigen::Isometry3d> poses;
-  for (std::size_t v = 0; v < recording.views().size(); ++v) poses.push_back(work.corrected(v).map_from_camera);
-  return poses;
 }
 
 }  // namespace cloud_colorizer

@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include "base/columns.hpp"
-#include "map/stages.hpp"
+#include "map/colored_map.hpp"
+#include "recording/tile_range.hpp"
 #include "surface/kdtree.hpp"
 
 namespace cloud_colorizer {
@@ -36,11 +37,12 @@ Colored coloredAround(const Workspace& work, std::size_t tile, const Points& poi
   Eigen::AlignedBox3f box = work.recording().tileBox(tile);
   box = {box.min() - margin, box.max() + margin};
   Colored around{Points(3, 0), Values(3, 0)};
-  for (std::size_t other = 0; other < work.recording().tiles().size(); ++other) {
+  const Recording& recording = work.recording();
+  for (const std::size_t other : tilesAround(recording.tiles(), recording.tileSize(), box.cast<double>())) {
     if (other == tile) {
       append(around, points, colors, box);
-    } else if (work.recording().tileBox(other).intersects(box)) {
-      append(around, work.recording().readPoints(other), work.readColors(other), box);
+    } else if (recording.tileBox(other).intersects(box)) {
+      append(around, recording.readPoints(other), work.files().readColors(other), box);
     }
   }
   return around;

@@ -11,7 +11,7 @@ namespace cloud_colorizer {
 namespace {
 
 /// To be raised when a stage gives other results than before, so that files of an older program are not used.
-constexpr std::uint64_t kStagesVersion = 2;
+constexpr std::uint64_t kStagesVersion = 3;
 
 /// FNV-1a, 64 bit.
 class Hash {
@@ -48,9 +48,11 @@ std::string paramsText(const Params& params, const std::set<std::string>& names,
   return text;
 }
 
-std::string imagesKey(const Recording& recording) {
+/// The images that are used, and the masks.
+std::string imagesKey(const Recording& recording, const std::vector<DamagedView>& damaged) {
   Hash hash;
   for (const View& view : recording.views()) hash.add(view.image).addValue(view.camera);
+  for (const DamagedView& left_out : damaged) hash.addValue(left_out.view);
   for (const auto& camera : recording.cameras()) {
     std::error_code error;
     hash.add(camera.mask).addValue(std::filesystem::file_size(recording.directory() + "/" + camera.mask, error));
@@ -58,25 +60,7 @@ std::string imagesKey(const Recording& recording) {
   return line("images and masks", hash.value());
 }
 
-}  // namespace
-
-std::string surfelsKey(const Recording& recording, const Params& params) {
-  Hash poses;
-  for (const View& view : recording.views()) poses.add(view.map_from_camera.matrix().data(), 16).addValue(view.stamp);
-  return line("version of the stages", kStagesVersion) + line("poses of the recording", poses.value()) +
-         paramsText(params, {"num_neighbors", "clear_radius"}, false);
-}
-
-std::string alignmentKey(const Recording& recording, const Params& params) {
-  const AlignmentParams defaults;
-  std::set<std::string> names;
-  visitAlignmentParams(defaults, [&](const char* name, const auto&, const char*) { names.insert(name); });
-  constexpr std::uint64_t kFormat = 2;  // of views.bin
-  return line("alignment", kFormat) + surfelsKey(recording, params) + depthKey(recording, params) +
-         imagesKey(recording) + paramsText(params, names, false);
-}
-
-std::string depthKey(const Recording& recording, const Params& params) {
+std::string visibilityKey(const Recording& recording, const Params& params) {
   Hash hash;
   hash.addValue(recording.tileSize());
   for (const Tile& tile : recording.tiles()) hash.add(tile.index.data(), 3).addValue(tile.num_points);
@@ -92,28 +76,56 @@ std::string depthKey(const Recording& recording, const Params& params) {
                     false);
 }
 
-std::string colorsKey(const Recording& recording, const Params& params) {
+}  // namespace
+
+std::string imageFilesKey(const Recording& recording) {
+  Hash hash;
+  for (const View& view : recording.views()) {
+    const std::string path = recording.directory() + "/" + view.image;
+    std::error_code error;
+    hash.add(view.image).addValue(view.camera).addValue(std::filesystem::file_size(path, error));
+    hash.addValue(std::filesystem::last_write_time(path, error).time_since_epoch().count());
+  }
+  for (const auto& camera : recording.cameras()) {
+    hash.addValue(camera.intrinsics.width).addValue(camera.intrinsics.height);
+  }
+  return line("version of the stages", kStagesVersion) + line("image files", hash.value());
+}
+
+std::string surfelsKey(const Recording& recording, const Params& params) {
+  Hash poses;
+  for (const View& view : recording.views()) poses.add(view.map_from_camera.matrix().data(), 16).addValue(view.stamp);
+  return line("version of the stages", kStagesVersion) + line("poses of the recording", poses.value()) +
+         paramsText(params, {"num_neighbors", "clear_radius"}, false);
+}
+
+std::string alignmentKey(const Recording& recording, const Params& params, const std::vector<DamagedView>& damaged) {
+  std::set<std::string> names = {"memory_limit"};  // bounds how many sample points a view has
+  visitAlignmentParams(params.alignment, [&](const char* name, const auto&, const char*) { names.insert(name); });
+  return surfelsKey(recording, params) + visibilityKey(recording, params) + imagesKey(recording, damaged) +
+         paramsText(params, names, false);
+}
+
+std::string depthKey(const Recording& recording, const Params& params, const std::vector<CorrectedView>& views) {
+  Hash poses;
+  for (const auto& view : views) poses.add(view.map_from_camera.matrix().data(), 16);
+  return surfelsKey(recording, params) + visibilityKey(recording, params) + line("poses", poses.value());
+}
+
+std::string colorsKey(const Recording& recording, const Params& params, const std::vector<DamagedView>& damaged,
+                      const std::vector<CorrectedView>& views) {
   // These do not change the colour of a tile.
   const std::set<std::string> without = {"num_threads",   "memory_limit",   "uncolored",
                                          "fill_distance", "max_open_tiles", "scan_resolution"};
-  return imagesKey(recording) + paramsText(params, without, true);
-}
-
-std::string posesKey(const std::vector<CorrectedView>& views) {
-  Hash hash;
-  for (const auto& view : views) hash.add(view.map_from_camera.matrix().data(), 16);
-  return line("poses", hash.value());
-}
-
-std::string exposuresKey(const std::vector<CorrectedView>& views) {
-  Hash hash;
+  Hash exposures;
   for (const auto& view : views) {
-    hash.add(view.exposure.gain.data(), static_cast<std::size_t>(view.exposure.gain.size()));
-    hash.add(view.exposure.offset.data(), static_cast<std::size_t>(view.exposure.offset.size()));
-    hash.add(view.exposure.vignetting.data(), 2);
-    hash.addValue(view.weight);
+    exposures.add(view.exposure.gain.data(), static_cast<std::size_t>(view.exposure.gain.size()));
+    exposures.add(view.exposure.offset.data(), static_cast<std::size_t>(view.exposure.offset.size()));
+    exposures.add(view.exposure.vignetting.data(), 2);
+    exposures.addValue(view.weight);
   }
-  return line("exposures", hash.value());
+  return depthKey(recording, params, views) + imagesKey(recording, damaged) + paramsText(params, without, true) +
+         line("exposures", exposures.value());
 }
 
 }  // namespace cloud_colorizer

@@ -9,14 +9,23 @@
 
 #include "cloud_colorizer/map/params.hpp"
 #include "cloud_colorizer/recording/recording.hpp"
+#include "map/derived_files.hpp"
 
 namespace cloud_colorizer {
 
+// Folders of a recording that hold derived files.
+constexpr const char* kImageCheckFolder = "damaged_images";
+constexpr const char* kSurfelsFolder = "surfels";
+constexpr const char* kAlignmentFolder = "alignment";
+constexpr const char* kDepthFolder = "depth";
+constexpr const char* kColorsFolder = "colored";
+
+// What the files in each were made from. `damaged`: the views that are left out; `views`: how each is used.
+std::string imageFilesKey(const Recording& recording);
 std::string surfelsKey(const Recording& recording, const Params& params);
-std::string alignmentKey(const Recording& recording, const Params& params);
-std::string depthKey(const Recording& recording, const Params& params);
-std::string colorsKey(const Recording& recording, const Params& params);
-std::string posesKey(const std::vector<CorrectedView>& views);
-std::string exposuresKey(const std::vector<CorrectedView>& views);
+std::string alignmentKey(const Recording& recording, const Params& params, const std::vector<DamagedView>& damaged);
+std::string depthKey(const Recording& recording, const Params& params, const std::vector<CorrectedView>& views);
+std::string colorsKey(const Recording& recording, const Params& params, const std::vector<DamagedView>& damaged,
+                      const std::vector<CorrectedView>& views);
 
 }  // namespace cloud_colorizer

@@ -5,7 +5,9 @@
 #pragma once
 
 #include <cstddef>
+#include <exception>
 #include <functional>
+#include <future>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -14,7 +16,8 @@
 
 namespace cloud_colorizer {
 
-/// Values that are costly to load, by number. Safe to use from several threads; loading happens outside the lock.
+/// Values that are costly to load, by number. Safe to use from several threads; loading happens outside the lock, once
+/// a key: who asks for what another thread is loading waits for it. A failure is told to all who wait, and forgotten.
 /// What is handed out stays valid after it has left the cache.
 template <class Value>
 class LruCache {
@@ -26,33 +29,50 @@ class LruCache {
       : max_bytes_(max_bytes), load_(std::move(load)), bytes_(std::move(bytes)) {}
 
   Pointer get(std::size_t key) {
+    std::promise<Pointer> promise;
     {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      const auto found = entries_.find(key);
-      if (found != entries_.end()) {
-        order_.splice(order_.begin(), order_, found->second.position);
-        return found->second.value;
+      std::unique_lock<std::mutex> lock(mutex_);
+      const auto [entry, is_new] = entries_.try_emplace(key);
+      if (!is_new) {
+        if (entry->second.loaded) order_.splice(order_.begin(), order_, entry->second.position);
+        const std::shared_future<Pointer> value = entry->second.value;
+        lock.unlock();
+        return value.get();
       }
+      entry->second.value = promise.get_future().share();
     }
-    auto value = std::make_shared<const Value>(load_(key));
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (entries_.count(key) == 0) insert(key, value);
-    return value;
+    try {
+      auto value = std::make_shared<const Value>(load_(key));
+      keep(key, bytes_(*value));
+      promise.set_value(value);
+      return value;
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      entries_.erase(key);
+      promise.set_exception(std::current_exception());
+      throw;
+    }
   }
 
  private:
   struct Entry {
-    Pointer value;
+    std::shared_future<Pointer> value;
+    bool loaded = false;  ///< only then it has the rest, and may be dropped
+    std::size_t bytes = 0;
     std::list<std::size_t>::iterator position;
   };
 
-  void insert(std::size_t key, const Pointer& value) {
+  void keep(std::size_t key, std::size_t bytes) {
+    const std::lock_guard<std::mutex> lock(mutex_);
     order_.push_front(key);
-    entries_[key] = {value, order_.begin()};
-    used_bytes_ += bytes_(*value);
+    Entry& entry = entries_.at(key);
+    entry.loaded = true;
+    entry.bytes = bytes;
+    entry.position = order_.begin();
+    used_bytes_ += bytes;
     while (used_bytes_ > max_bytes_ && order_.size() > 1) {
       const auto oldest = entries_.find(order_.back());
-      used_bytes_ -= bytes_(*oldest->second.value);
+      used_bytes_ -= oldest->second.bytes;
       entries_.erase(oldest);
       order_.pop_back();
     }
@@ -62,7 +82,7 @@ class LruCache {
   std::function<Value(std::size_t)> load_;
   std::function<std::size_t(const Value&)> bytes_;
   std::mutex mutex_;
-  std::list<std::size_t> order_;  ///< keys, the last used first
+  std::list<std::size_t> order_;  ///< keys of what is loaded, the last used first
   std::unordered_map<std::size_t, Entry> entries_;
   std::size_t used_bytes_ = 0;
 };

@@ -6,24 +6,18 @@
 
 #include "cloud_colorizer/base/types.hpp"
 #include "cloud_colorizer/color/tone.hpp"
-#include "cloud_colorizer/map/colorize.hpp"
 #include "map/workspace.hpp"
 
 namespace cloud_colorizer {
 
+/// Leaves out the views whose image cannot be used, and names them in the log. Throws when none is left.
+void checkImages(Workspace& work, const Callbacks& callbacks);
 void makeSurfels(Workspace& work, const Callbacks& callbacks);
 void alignViews(Workspace& work, const Callbacks& callbacks);
 void makeDepthImages(Workspace& work, const Callbacks& callbacks);
 /// What the brightness of each place is multiplied by; nothing unless the exposures differ a lot.
 ToneField makeTone(Workspace& work, const Callbacks& callbacks);
 void colorChunks(Workspace& work, const ToneField& tone, const Callbacks& callbacks);
-
-/// Counts the coloured points and why the others are not.
-ColorizeSummary summarize(const Workspace& work);
-
-/// Gives the points of a tile that no view saw the colour of the nearest coloured point within fill_distance, in this
-/// tile or a neighbouring one. Their view_count stays 0.
-void fillUncolored(const Workspace& work, std::size_t tile, TileColors& colors);
 
 /// Depth image of the whole map for a view at any pose.
 DepthImage renderDepth(Workspace& work, std::size_t view, const Eigen::Isometry3d& map_from_camera);

@@ -4,6 +4,7 @@
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
+#include "map/fingerprint.hpp"
 #include "map/stages.hpp"
 
 namespace cloud_colorizer {
@@ -28,38 +29,18 @@ void clearPath(const Recording& recording, std::size_t tile, double clear_radius
 
 void makeSurfels(Workspace& work, const Callbacks& callbacks) {
   const Recording& recording = work.recording();
+  const DerivedFiles& files = work.files();
+  files.claim(kSurfelsFolder, surfelsKey(recording, work.params()));
   ProgressMeter progress(callbacks, "surfels", recording.numPoints());
   parallelFor(work.params().colorize.num_threads, recording.tiles().size(), [&](std::size_t tile) {
-    const bool todo = !work.hasSurfels(tile);
+    const bool todo = !files.hasSurfels(tile);
     if (todo) {
       const Points points = recording.readPoints(tile);
       Surfels surfels = estimateSurfels(points, work.params().surfels);
       clearPath(recording, tile, work.params().depth.clear_radius, points, surfels);
-      work.writeSurfels(tile, surfels);
+      files.writeSurfels(tile, surfels);
     }
     progress.add(recording.tiles()[tile].num_points, todo);
-  });
-}
-
-DepthImage renderDepth(Workspace& work, std::size_t view, const Eigen::Isometry3d& map_from_camera) {
-  const Recording& recording = work.recording();
-  DepthSplatter splatter(work.cameraOf(view), map_from_camera.inverse().cast<float>(), work.params().depth,
-                         work.emptySpace(view, map_from_camera));
-  for (std::size_t tile = 0; tile < recording.tiles().size(); ++tile) {
-    if (!work.mayObserve(view, recording.tileBox(tile))) continue;
-    const auto surface = work.surface(tile);
-    splatter.add(surface->points, surface->surfels);
-  }
-  return splatter.finish();
-}
-
-void makeDepthImages(Workspace& work, const Callbacks& callbacks) {
-  const std::size_t num_views = work.recording().views().size();
-  ProgressMeter progress(callbacks, "depth images", num_views);
-  parallelFor(work.params().colorize.num_threads, num_views, [&](std::size_t view) {
-    const bool todo = !work.hasDepth(view);
-    if (todo) work.writeDepth(view, renderDepth(work, view, work.corrected(view).map_from_camera));
-    progress.add(1, todo);
   });
 }
 

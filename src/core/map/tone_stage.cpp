@@ -19,8 +19,8 @@ constexpr double kCellsPerReach = 16;  // in max_view_distance: what a camera se
 /// Mean over the channels of the logarithm of each view's gain.
 std::vector<double> logGains(const Workspace& work) {
   std::vector<double> logs;
-  for (std::size_t v = 0; v < work.recording().views().size(); ++v) {
-    const Eigen::ArrayXf& gain = work.corrected(v).exposure.gain;
+  for (const CorrectedView& view : work.corrections()) {
+    const Eigen::ArrayXf& gain = view.exposure.gain;
     logs.push_back(gain.size() > 0 ? static_cast<double>(gain.log().mean()) : 0.0);
   }
   return logs;

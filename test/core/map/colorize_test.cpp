@@ -9,7 +9,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
+#include <random>
 #include <stdexcept>
 #include <tuple>
 
@@ -335,6 +337,160 @@ TEST_F(Colorize, InputColoursKeepTheirValuesUnderAnotherName) {
   const auto fields = coloredFields(recorder.snapshot());
   EXPECT_EQ(fields[0].name, "input_rgb");
   EXPECT_EQ(fields[1].name, "rgb");
+}
+
+TEST_F(Colorize, OwnOutputAsInputIsReplacedAndTheUsersColoursStay) {
+  const auto fieldsOf = [&](const std::string& name, const std::vector<Field>& fields) {
+    Recorder recorder(scratch_ / name, "map", record_);
+    Cloud cloud = wall(5, 0.5);
+    cloud.fields = fields;
+    cloud.records.resize(static_cast<std::size_t>(cloud.positions.cols()) * recordSize(fields));
+    recorder.addCloud(cloud, Eigen::Isometry3d::Identity());
+    std::string names;
+    for (const Field& field : coloredFields(recorder.snapshot())) names += field.name + ' ';
+    return names;
+  };
+  const Field intensity{"intensity", FieldType::kFloat32}, rgb{"rgb", FieldType::kFloat32},
+      input_rgb{"input_rgb", FieldType::kFloat32}, count{"view_count", FieldType::kUint16},
+      stddev{"color_stddev", FieldType::kFloat32};
+  EXPECT_EQ(fieldsOf("once", {rgb, intensity}), "input_rgb intensity rgb view_count color_stddev ");
+  EXPECT_EQ(fieldsOf("again", {input_rgb, intensity, rgb, count, stddev}),
+            "input_rgb intensity rgb view_count color_stddev ");
+  EXPECT_EQ(fieldsOf("ply", {{"red", FieldType::kUint8},
+                             {"green", FieldType::kUint8},
+                             {"blue", FieldType::kUint8},
+                             count,
+                             stddev,
+                             intensity}),
+            "intensity rgb view_count color_stddev ");
+  EXPECT_EQ(fieldsOf("clash", {rgb, input_rgb}), "input_input_rgb input_rgb rgb view_count color_stddev ");
+  EXPECT_EQ(fieldsOf("count", {count}), "input_view_count rgb view_count color_stddev ");
+}
+
+TEST_F(Colorize, AMapThatIsColouredThriceKeepsItsFieldsAndValues) {
+  params_.colorize.method = Method::kMean;
+  Cloud cloud = wall(5, 0.1);
+  cloud.fields = {{"rgb", FieldType::kFloat32}, {"intensity", FieldType::kFloat32}};
+  cloud.records.assign(static_cast<std::size_t>(cloud.positions.cols()) * 8, 7);
+  std::string before;
+  for (const char* name : {"1.ply", "2.ply", "3.pcd", "4.ply"}) {
+    Recorder recorder(scratch_ / ("r" + std::string(name)), "map", record_);
+    recorder.addCloud(cloud, Eigen::Isometry3d::Identity());
+    const auto camera = recorder.setCamera("camera_0", intrinsics_);
+    const Eigen::Vector3d at(0, 0, 2);
+    recorder.addView(camera, 0, cameraAt(0, 0, 2), imageOfWall(intrinsics_, at, 5, 1), "png");
+    const Recording recording = recorder.snapshot();
+    colorize(recording, params_, {});
+    saveColored(recording, params_, scratch_ / name, {});
+    CloudReader reader(scratch_ / name);
+    cloud = reader.read(reader.numPoints());
+    const std::string now(cloud.records.begin(), cloud.records.end());
+    EXPECT_TRUE(now == before || (name != std::string("2.ply") && name != std::string("4.ply")));
+    if (name != std::string("3.pcd")) before = now;
+  }
+}
+
+/// Kinds of damage behind a good header.
+std::vector<std::vector<std::uint8_t>> damagedImages(const std::vector<std::uint8_t>& png) {
+  std::vector<std::vector<std::uint8_t>> kinds(4, png);
+  kinds[0].resize(png.size() / 2);
+  std::fill(kinds[1].begin() + 60, kinds[1].end(), 0);
+  for (std::size_t i = png.size() / 3; i < png.size() / 3 + 40; ++i) kinds[2][i] ^= 0x5A;
+  kinds[3].resize(40);
+  return kinds;
+}
+
+TEST_F(Colorize, AViewWithADamagedImageIsLeftOutAndNamed) {
+  params_.colorize.method = Method::kDefault;
+  const auto recordWith = [&](const std::string& name, const std::vector<std::uint8_t>* third) {
+    Recorder recorder(scratch_ / name, "map", record_);
+    recorder.addCloud(wall(5, 0.1), Eigen::Isometry3d::Identity());
+    const auto camera = recorder.setCamera("camera_0", intrinsics_);
+    for (int i = 0; i < 5; ++i) {
+      const Eigen::Vector3d at(0, -1 + 0.5 * i, 2);
+      const auto image = imageOfWall(intrinsics_, at, 5, 1 + 0.1 * i);
+      if (i != 2 || third) recorder.addView(camera, 10 * i, cameraAt(0, at.y(), 2), i == 2 ? *third : image, "png");
+    }
+    return recorder.snapshot();
+  };
+  const Recording without = recordWith("without", nullptr);
+  colorize(without, params_, {});
+  const auto expected = colored(without).records;
+  const auto whole = imageOfWall(intrinsics_, {0, 0, 2}, 5, 1.2);
+  int kind = 0;
+  for (const auto& image : damagedImages(whole)) {
+    const Recording recording = recordWith("damaged" + std::to_string(kind++), &image);
+    const std::string path = recording.directory() + '/' + recording.views()[2].image;
+    std::string log;
+    Callbacks callbacks;
+    callbacks.log = [&](LogLevel level, const std::string& line) { log += level == LogLevel::kWarning ? line : ""; };
+    const ColorizeSummary summary = colorize(recording, params_, callbacks);
+    EXPECT_EQ(summary.num_damaged_views, 1U);
+    EXPECT_NE(summary.describe().find("left out"), std::string::npos);
+    EXPECT_NE(log.find(path), std::string::npos) << log;
+    EXPECT_EQ(colored(recording).records, expected);
+    if (kind > 1) continue;
+    writeText(path, std::string(whole.begin(), whole.end()));  // repaired
+    EXPECT_EQ(colorize(recording, params_, {}).num_damaged_views, 0U);
+    EXPECT_NE(colored(recording).records, expected);
+  }
+}
+
+TEST_F(Colorize, WithoutAnyWholeImageItSaysSo) {
+  const Recording recording = record("r", {5}, 0.1, {{0, 0, 2}}, 5);
+  writeText(recording.directory() + '/' + recording.views()[0].image, "no image");
+  EXPECT_ERROR(colorize(recording, params_, {}), "000000.png");
+}
+
+TEST_F(Colorize, DamagedDerivedFilesAreMadeAgain) {
+  params_.colorize.method = Method::kDefault;
+  const Recording recording = record("r", {5, 6}, 0.1, kThreeCameras, 5);
+  colorize(recording, params_, {});
+  std::map<std::string, std::string> whole;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(recording.directory())) {
+    if (entry.path().extension() == ".bin") whole[entry.path().string()] = bytesOf(entry.path().string());
+  }
+  ASSERT_GT(whole.size(), 6U);
+  std::mt19937 random(1);
+  for (const char* folder : {"damaged_images", "surfels", "alignment", "depth", "colored"}) {
+    for (const auto& [path, bytes] : whole) {
+      if (path.find(folder) == std::string::npos || random() % 4 == 1) continue;
+      std::string damaged = bytes;
+      damaged[random() % damaged.size()] ^= 0x10;
+      if (random() % 3 == 0) damaged.resize(random() % damaged.size());
+      writeText(path, damaged);
+    }
+    colorize(recording, params_, {});
+    for (const auto& [path, bytes] : whole) EXPECT_EQ(bytesOf(path), bytes) << path;
+  }
+}
+
+TEST_F(Colorize, PosesOfAnotherRunAreNeverWritten) {
+  params_.colorize.method = Method::kDefault;
+  const Recording recording = record("r", {5}, 0.1, kThreeCameras, 5);
+  colorize(recording, params_, {});
+  EXPECT_NO_THROW(usedPoses(recording, params_));
+  params_.alignment.pose_rotation_prior = 0.7;
+  EXPECT_ERROR(usedPoses(recording, params_), "colour the recording again");
+  EXPECT_ERROR(exportModel(recording, params_, scratch_ / "model"), "other parameters");
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "model/images.txt"));
+}
+
+TEST_F(Colorize, ColoursAreSavedFromAReadOnlyRecording) {
+  ScratchDirectory disk;
+  if (!disk.mountDisk("size=50m")) GTEST_SKIP() << "no right to mount";
+  record("r", {5}, 0.1, kThreeCameras, 5);
+  const Recording made = Recording::open(scratch_ / "r");
+  colorize(made, params_, {});
+  std::filesystem::copy(made.directory(), disk / "r", std::filesystem::copy_options::recursive);
+  for (const auto& view : made.views()) {  // as `cp -p`
+    std::filesystem::last_write_time(disk / ("r/" + view.image),
+                                     std::filesystem::last_write_time(made.directory() + '/' + view.image));
+  }
+  ASSERT_EQ(mount(nullptr, disk.path().c_str(), nullptr, MS_REMOUNT | MS_RDONLY, nullptr), 0);
+  saveColored(made, params_, scratch_ / "made.ply", {});
+  saveColored(Recording::open(disk / "r"), params_, scratch_ / "copy.ply", {});
+  EXPECT_EQ(bytesOf(scratch_ / "copy.ply"), bytesOf(scratch_ / "made.ply"));
 }
 
 }  // namespace

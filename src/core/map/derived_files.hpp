@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What is made from a recording and lies in its directory.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/file_io.hpp"
+#include "cloud_colorizer/camera/view.hpp"
+#include "cloud_colorizer/recording/recording.hpp"
+#include "cloud_colorizer/surface/surfels.hpp"
+#include "cloud_colorizer/visibility/depth_image.hpp"
+#include "cloud_colorizer/visibility/observe.hpp"
+
+namespace cloud_colorizer {
+
+/// Colours of one tile, one column a point.
+struct TileColors {
+  Values values;                     ///< 3 x n, 0 to 255; zero where count is 0
+  std::vector<std::uint16_t> count;  ///< views that coloured the point
+  std::vector<float> stddev;         ///< over the views
+  std::vector<Unseen> unseen;        ///< why no view coloured the point
+};
+
+/// A view whose image cannot be used.
+struct DamagedView {
+  std::uint32_t view = 0;
+  std::string reason;
+};
+
+/// One program at a time colours a recording (exclusive); several may read its colours, also where they may not write.
+class FolderLock {
+ public:
+  /// Throws where another program holds the lock.
+  FolderLock(const std::string& directory, bool exclusive);
+
+ private:
+  std::optional<File> file_;  ///< none in a directory that nobody has coloured and this program may not write to
+};
+
+/// A unit of work (a tile's surfels, a view's depth image, a tile's colours) is one file, written under a temporary
+/// name and renamed, with a checksum at its end: it is whole, or counts as absent. Each folder holds key.txt, which
+/// tells what its files were made from. What a has...() did not find whole, a read...() throws on.
+class DerivedFiles {
+ public:
+  explicit DerivedFiles(const Recording& recording) : recording_(recording) {}
+
+  /// Empties the folder unless its files were made from `key`.
+  void claim(const std::string& folder, const std::string& key) const;
+  bool holds(const std::string& folder, const std::string& key) const;
+  std::string pathOf(const std::string& name) const { return recording_.directory() + '/' + name; }
+
+  bool hasSurfels(std::size_t tile) const;
+  void writeSurfels(std::size_t tile, const Surfels& surfels) const;
+  Surfels readSurfels(std::size_t tile) const;
+
+  bool hasDepth(std::size_t view) const;
+  void writeDepth(std::size_t view, const DepthImage& image) const;
+  DepthImage readDepth(std::size_t view) const;  ///< without its empty space
+
+  bool hasColors(std::size_t tile) const;
+  void writeColors(std::size_t tile, const TileColors& colors) const;
+  TileColors readColors(std::size_t tile) const;
+
+  void writeCorrections(const std::vector<CorrectedView>& views) const;
+  std::optional<std::vector<CorrectedView>> readCorrections() const;  ///< nothing where they are not whole
+  void writeDamagedViews(const std::vector<DamagedView>& views) const;
+  std::optional<std::vector<DamagedView>> readDamagedViews() const;  ///< nothing where the list is not whole
+
+ private:
+  std::string tilePath(const char* folder, std::size_t tile) const;
+  std::string depthPath(std::size_t view) const;
+
+  Recording recording_;
+};
+
+}  // namespace cloud_colorizer
