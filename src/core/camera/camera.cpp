@@ -25,9 +25,6 @@ void checkNumbers(const Intrinsics& in) {
   using Invalid = std::invalid_argument;
   require<Invalid>(in.width > 0 && in.height > 0, "camera: image size ", in.width, " x ", in.height,
                    " px is not positive");
-  constexpr int kMaxSide = 1 << 20;  // OpenCV reads no wider image
-  require<Invalid>(in.width <= kMaxSide && in.height <= kMaxSide, "camera: image size ", in.width, " x ", in.height,
-                   " px is more than any image has (", kMaxSide, " px a side)");
   for (const double number : {in.fx, in.fy, in.cx, in.cy}) {
     require<Invalid>(std::isfinite(number), "camera: an intrinsic number (fx, fy, cx, cy = ", in.fx, ", ", in.fy, ", ",
                      in.cx, ", ", in.cy, ") is not finite");

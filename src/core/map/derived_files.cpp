@@ -250,29 +250,17 @@ std::optional<std::vector<CorrectedView>> DerivedFiles::readCorrections() const 
   return views;
 }
 
-void DerivedFiles::writeDamagedViews(const std::vector<DamagedView>& views) const {
+void DerivedFiles::writeDamagedViews(const ViewList& views) const {
   BlobWriter blob;
-  const auto count = static_cast<std::uint32_t>(views.size());
-  blob.add(&count, 1);
-  for (const DamagedView& damaged : views) {
-    const auto length = static_cast<std::uint32_t>(damaged.reason.size());
-    blob.add(&damaged.view, 1);
-    blob.add(&length, 1);
-    blob.add(damaged.reason);
-  }
+  blob.add(views);
   blob.save(pathOf(kDamagedViews));
 }
 
-std::optional<std::vector<DamagedView>> DerivedFiles::readDamagedViews() const {
+std::optional<ViewList> DerivedFiles::readDamagedViews() const {
   auto bytes = readWhole(pathOf(kDamagedViews));
   if (!bytes) return std::nullopt;
-  BlobReader blob(pathOf(kDamagedViews), std::move(bytes));
-  std::vector<DamagedView> views(blob.read<std::uint32_t>());
-  for (DamagedView& damaged : views) {
-    damaged.view = blob.read<std::uint32_t>();
-    damaged.reason.resize(blob.read<std::uint32_t>());
-    blob.read(damaged.reason);
-  }
+  ViewList views(bytes->size() / sizeof(views[0]));
+  BlobReader(pathOf(kDamagedViews), std::move(bytes)).read(views);
   return views;
 }
 

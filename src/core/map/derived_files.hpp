@@ -25,11 +25,8 @@ struct TileColors {
   std::vector<Unseen> unseen;        ///< why no view coloured the point
 };
 
-/// A view whose image cannot be used.
-struct DamagedView {
-  std::uint32_t view = 0;
-  std::string reason;
-};
+/// Indices of views, ascending.
+using ViewList = std::vector<std::uint32_t>;
 
 /// One program at a time colours a recording (exclusive); several may read its colours, also where they may not write.
 class FolderLock {
@@ -67,8 +64,8 @@ class DerivedFiles {
 
   void writeCorrections(const std::vector<CorrectedView>& views) const;
   std::optional<std::vector<CorrectedView>> readCorrections() const;  ///< nothing where they are not whole
-  void writeDamagedViews(const std::vector<DamagedView>& views) const;
-  std::optional<std::vector<DamagedView>> readDamagedViews() const;  ///< nothing where the list is not whole
+  void writeDamagedViews(const ViewList& views) const;
+  std::optional<ViewList> readDamagedViews() const;  ///< nothing where the list is not whole
 
  private:
   std::string tilePath(const char* folder, std::size_t tile) const;

@@ -49,10 +49,10 @@ std::string paramsText(const Params& params, const std::set<std::string>& names,
 }
 
 /// The images that are used, and the masks.
-std::string imagesKey(const Recording& recording, const std::vector<DamagedView>& damaged) {
+std::string imagesKey(const Recording& recording, const ViewList& damaged) {
   Hash hash;
   for (const View& view : recording.views()) hash.add(view.image).addValue(view.camera);
-  for (const DamagedView& left_out : damaged) hash.addValue(left_out.view);
+  for (const std::uint32_t view : damaged) hash.addValue(view);
   for (const auto& camera : recording.cameras()) {
     std::error_code error;
     hash.add(camera.mask).addValue(std::filesystem::file_size(recording.directory() + "/" + camera.mask, error));
@@ -99,7 +99,7 @@ std::string surfelsKey(const Recording& recording, const Params& params) {
          paramsText(params, {"num_neighbors", "clear_radius"}, false);
 }
 
-std::string alignmentKey(const Recording& recording, const Params& params, const std::vector<DamagedView>& damaged) {
+std::string alignmentKey(const Recording& recording, const Params& params, const ViewList& damaged) {
   std::set<std::string> names = {"memory_limit"};  // bounds how many sample points a view has
   visitAlignmentParams(params.alignment, [&](const char* name, const auto&, const char*) { names.insert(name); });
   return surfelsKey(recording, params) + visibilityKey(recording, params) + imagesKey(recording, damaged) +
@@ -112,7 +112,7 @@ std::string depthKey(const Recording& recording, const Params& params, const std
   return surfelsKey(recording, params) + visibilityKey(recording, params) + line("poses", poses.value());
 }
 
-std::string colorsKey(const Recording& recording, const Params& params, const std::vector<DamagedView>& damaged,
+std::string colorsKey(const Recording& recording, const Params& params, const ViewList& damaged,
                       const std::vector<CorrectedView>& views) {
   // These do not change the colour of a tile.
   const std::set<std::string> without = {"num_threads",   "memory_limit",   "uncolored",

@@ -23,9 +23,9 @@ constexpr const char* kColorsFolder = "colored";
 // What the files in each were made from. `damaged`: the views that are left out; `views`: how each is used.
 std::string imageFilesKey(const Recording& recording);
 std::string surfelsKey(const Recording& recording, const Params& params);
-std::string alignmentKey(const Recording& recording, const Params& params, const std::vector<DamagedView>& damaged);
+std::string alignmentKey(const Recording& recording, const Params& params, const ViewList& damaged);
 std::string depthKey(const Recording& recording, const Params& params, const std::vector<CorrectedView>& views);
-std::string colorsKey(const Recording& recording, const Params& params, const std::vector<DamagedView>& damaged,
+std::string colorsKey(const Recording& recording, const Params& params, const ViewList& damaged,
                       const std::vector<CorrectedView>& views);
 
 }  // namespace cloud_colorizer

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <exception>
+#include <stdexcept>
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
@@ -16,22 +16,22 @@ std::string faultOf(Workspace& work, std::size_t view) {
   try {
     work.image(view);
     return "";
-  } catch (const std::exception& error) {
+  } catch (const std::runtime_error& error) {
     return error.what();
   }
 }
 
-std::vector<DamagedView> findDamagedViews(Workspace& work, const Callbacks& callbacks) {
+ViewList findDamagedViews(Workspace& work, const Callbacks& callbacks) {
   const std::size_t num_views = work.recording().views().size();
-  std::vector<std::string> faults(num_views);
+  std::vector<char> is_damaged(num_views);
   ProgressMeter progress(callbacks, "check images", num_views);
   parallelFor(work.params().colorize.num_threads, num_views, [&](std::size_t view) {
-    faults[view] = faultOf(work, view);
+    is_damaged[view] = !faultOf(work, view).empty();
     progress.add(1);
   });
-  std::vector<DamagedView> damaged;
-  for (std::size_t view = 0; view < num_views; ++view) {
-    if (!faults[view].empty()) damaged.push_back({static_cast<std::uint32_t>(view), faults[view]});
+  ViewList damaged;
+  for (std::uint32_t view = 0; view < num_views; ++view) {
+    if (is_damaged[view]) damaged.push_back(view);
   }
   return damaged;
 }
@@ -40,15 +40,16 @@ std::vector<DamagedView> findDamagedViews(Workspace& work, const Callbacks& call
 
 void checkImages(Workspace& work, const Callbacks& callbacks) {
   if (!work.restoreDamagedViews()) {
-    std::vector<DamagedView> damaged = findDamagedViews(work, callbacks);
+    ViewList damaged = findDamagedViews(work, callbacks);
     work.files().claim(kImageCheckFolder, imageFilesKey(work.recording()));
     work.files().writeDamagedViews(damaged);
     work.leaveOut(std::move(damaged));
   }
-  for (const DamagedView& damaged : work.damagedViews()) {
+  for (const std::uint32_t view : work.damagedViews()) {
+    const std::string fault = faultOf(work, view);
     require(!work.usableViews().empty(), "no image of the recording ", work.recording().directory(),
-            " can be used: ", damaged.reason);
-    if (callbacks.log) callbacks.log(LogLevel::kWarning, "a view is left out: " + damaged.reason);
+            " can be used: ", fault);
+    if (callbacks.log) callbacks.log(LogLevel::kWarning, "a view is left out: " + fault);
   }
 }
 

@@ -89,16 +89,11 @@ ObservedView Workspace::observedView(std::size_t view) {
   return observed;
 }
 
-void Workspace::leaveOut(std::vector<DamagedView> damaged) {
+void Workspace::leaveOut(ViewList damaged) {
   damaged_views_ = std::move(damaged);
   usable_views_.clear();
-  auto next = damaged_views_.begin();
-  for (std::size_t view = 0; view < recording_.views().size(); ++view) {
-    if (next != damaged_views_.end() && next->view == view) {
-      ++next;
-    } else {
-      usable_views_.push_back(view);
-    }
+  for (std::uint32_t view = 0; view < recording_.views().size(); ++view) {
+    if (!std::binary_search(damaged_views_.begin(), damaged_views_.end(), view)) usable_views_.push_back(view);
   }
 }
 

@@ -41,8 +41,8 @@ class Workspace {
 
   /// The views whose image can be used, ascending; at first all.
   const std::vector<std::size_t>& usableViews() const { return usable_views_; }
-  const std::vector<DamagedView>& damagedViews() const { return damaged_views_; }
-  void leaveOut(std::vector<DamagedView> damaged);
+  const ViewList& damagedViews() const { return damaged_views_; }
+  void leaveOut(ViewList damaged);
   /// All usable ones that may show a point in the box.
   std::vector<std::size_t> viewsOf(const Eigen::AlignedBox3f& box) const;
 
@@ -61,7 +61,7 @@ class Workspace {
   DerivedFiles files_;
   std::vector<Camera> cameras_;
   std::vector<std::shared_ptr<const cv::Mat>> masks_;
-  std::vector<DamagedView> damaged_views_;
+  ViewList damaged_views_;
   std::vector<std::size_t> usable_views_;
   std::vector<CorrectedView> corrections_;  ///< one a view
   std::vector<ViewCone> cones_;             ///< one a view

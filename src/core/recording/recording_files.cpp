@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -83,7 +84,11 @@ RecordedCamera parseCamera(const YAML::Node& node) {
   camera.intrinsics.model = distortionModelFromString(node["distortion_model"].as<std::string>());
   camera.intrinsics.distortion = node["distortion"].as<std::vector<double>>();
   camera.mask = node["mask"].as<std::string>();
+  constexpr int kMaxSide = 1 << 20;  // px; OpenCV reads no wider image
   const Camera checked(camera.intrinsics);
+  require<std::invalid_argument>(std::max(camera.intrinsics.width, camera.intrinsics.height) <= kMaxSide,
+                                 "an image of ", camera.intrinsics.width, " x ", camera.intrinsics.height,
+                                 " px is larger than any can be: ", kMaxSide, " px a side");
   return camera;
 }
 

@@ -51,7 +51,7 @@ class DerivedFilesTest : public ::testing::Test {
     files_.writeDepth(2, image_);
     files_.writeColors(0, colors_);
     files_.writeCorrections(corrections_);
-    files_.writeDamagedViews({{1, "a reason"}});
+    files_.writeDamagedViews({1, 2});
   }
 
   ScratchDirectory scratch_;
@@ -80,8 +80,7 @@ TEST_F(DerivedFilesTest, ReadBackWhatWasWritten) {
   EXPECT_EQ(corrections[1].map_from_camera.translation(), Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(corrections[1].exposure.gain[2], 3);
   EXPECT_EQ(corrections[2].weight, 0.5F);
-  EXPECT_EQ(files_.readDamagedViews()->at(0).view, 1U);
-  EXPECT_EQ(files_.readDamagedViews()->at(0).reason, "a reason");
+  EXPECT_EQ(*files_.readDamagedViews(), (ViewList{1, 2}));
 }
 
 /// A bit turned, a piece zeroed, cut, lengthened, or emptied.
