@@ -2,15 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/methods.hpp"
 
+#include <algorithm>
 #include <cmath>
 
-#include "base/columns.hpp"
 #include "base/parallel.hpp"
 #include "base/stop_watch.hpp"
 #include "base/text.hpp"
 #include "cloud_colorizer/alignment/align.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/color/point_colors.hpp"
+#include "surface/surface.hpp"
+#include "visibility/seen_points.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -22,22 +24,6 @@ std::shared_ptr<const DepthImage> depthOf(PointsRef points, const Surfels& surfe
   DepthSplatter splatter(camera, pose.inverse().cast<float>(), params);
   splatter.add(points, surfels);
   return std::make_shared<const DepthImage>(splatter.finish());
-}
-
-ObservedBed seenOnly(const TestBed& bed, ObserveResult result) {
-  ObservedBed observed;
-  observed.stats = result.stats;
-  Observations& rows = result.observations;
-  std::vector<std::uint32_t> offsets(1, 0);
-  for (std::size_t p = 0; p < rows.numPoints(); ++p) {
-    if (rows.offsets[p + 1] == rows.offsets[p]) continue;
-    observed.seen.push_back(static_cast<Index>(p));
-    offsets.push_back(rows.offsets[p + 1]);
-  }
-  rows.offsets = std::move(offsets);
-  observed.observations = std::move(rows);
-  observed.points = gatherColumns(bed.points, observed.seen);
-  return observed;
 }
 
 AlignmentInput alignmentInput(const TestBed& bed, const Params& params) {
@@ -62,18 +48,12 @@ AlignmentResult alignBed(const TestBed& bed, const Params& params) {
                                          bed.poses.size() / kViewsPerPoint);
   AlignmentInput input = alignmentInput(bed, params);
   const Surfels surfels = estimateSurfels(bed.points, params.surfels);
-  const Index step = std::max<Index>(1, bed.points.cols() / std::max<Index>(1, wanted)),
-              count = bed.points.cols() / step;
-  input.points.resize(3, count);
-  input.surfels.normals.resize(3, count);
-  input.surfels.radii.resize(count);
-  input.surfels.offsets.setZero(count);
-  for (Index k = 0; k < count; ++k) {
-    input.points.col(k) = bed.points.col(k * step);
-    input.surfels.normals.col(k) = surfels.normals.col(k * step);
-    input.surfels.radii[k] = surfels.radii[k * step];
-    if (surfels.offsets.size() > 0) input.surfels.offsets[k] = surfels.offsets[k * step];
-  }
+  const Index step = std::max<Index>(1, bed.points.cols() / std::max<Index>(1, wanted));
+  std::vector<Index> columns;
+  for (Index p = 0; p + step <= bed.points.cols(); p += step) columns.push_back(p);
+  Surface sample = gatherSurface({bed.points, surfels}, columns);
+  input.points = std::move(sample.points);
+  input.surfels = std::move(sample.surfels);
   input.depth = [&](std::size_t, const Eigen::Isometry3d& pose) {
     return depthOf(bed.points, surfels, input.cameras[0], pose, params.depth);
   };
@@ -141,27 +121,37 @@ void colorByDefault(const TestBed& bed, const Params& params, MethodResult& resu
 
 }  // namespace
 
+std::vector<ObservedView> observedViews(const TestBed& bed, const Surfels& surfels, const Camera& camera,
+                                        const std::vector<Eigen::Isometry3d>& poses,
+                                        const std::vector<Exposure>& exposures, const std::vector<float>& weights,
+                                        const Params& params) {
+  std::vector<ObservedView> views(poses.size());
+  parallelFor(params.colorize.num_threads, poses.size(), [&](std::size_t v) {
+    views[v].id = static_cast<std::uint32_t>(v);
+    views[v].camera = &camera;
+    views[v].map_from_camera = poses[v];
+    views[v].image = std::make_shared<const cv::Mat>(bed.images[v]);
+    views[v].depth = depthOf(bed.points, surfels, camera, poses[v], params.depth);
+    if (!exposures.empty()) views[v].exposure = exposures[v];
+    if (!weights.empty()) views[v].weight = weights[v];
+  });
+  return views;
+}
+
 ObservedBed observeBed(const TestBed& bed, const std::vector<Eigen::Isometry3d>& poses,
                        const std::vector<Exposure>& exposures, const Params& params,
                        const std::vector<float>& weights) {
   ProcessorWatch watch;
   const Camera camera(bed.intrinsics);
   const Surfels surfels = estimateSurfels(bed.points, params.surfels);
-  std::vector<std::shared_ptr<const DepthImage>> depths(poses.size());
-  parallelFor(params.colorize.num_threads, poses.size(),
-              [&](std::size_t v) { depths[v] = depthOf(bed.points, surfels, camera, poses[v], params.depth); });
-  const auto view = [&](std::size_t v) {
-    ObservedView observed;
-    observed.id = static_cast<std::uint32_t>(v);
-    observed.camera = &camera;
-    observed.map_from_camera = poses[v];
-    observed.image = std::make_shared<const cv::Mat>(bed.images[v]);
-    observed.depth = depths[v];
-    if (!exposures.empty()) observed.exposure = exposures[v];
-    if (!weights.empty()) observed.weight = weights[v];
-    return observed;
-  };
-  ObservedBed observed = seenOnly(bed, observe(bed.points, surfels, poses.size(), view, params.depth, params.observe));
+  const auto views = observedViews(bed, surfels, camera, poses, exposures, weights, params);
+  const auto view = [&](std::size_t v) { return views[v]; };
+  ObserveResult seen = observe(bed.points, surfels, views.size(), view, params.depth, params.observe);
+  ObservedBed observed;
+  observed.stats = seen.stats;
+  observed.observations = std::move(seen.observations);
+  observed.seen = keepSeen(observed.observations);
+  observed.points = gatherColumns(bed.points, observed.seen);
   observed.seconds = watch.lap();
   return observed;
 }
@@ -183,16 +173,12 @@ MethodResult colorizeArrays(const TestBed& bed, const ObservedBed& observed, con
   result.reprojection_error = meanReprojectionError(bed, bed.poses);
   result.gain_error = gainError(bed, std::vector<Exposure>(bed.poses.size()));
   ProcessorWatch watch;
-  if (method == "closest") {
-    colorByPreset(observed, Method::kClosest, params, result);
-  } else if (method == "mean") {
-    colorByPreset(observed, Method::kMean, params, result);
-  } else if (method == "median") {
-    colorByPreset(observed, Method::kMedian, params, result);
-  } else if (method == "paper") {
-    colorByPreset(observed, Method::kPaper, params, result);
-  } else if (method == "default") {
+  const std::vector<std::string> presets = enumNames(Method{});
+  const auto preset = std::find(presets.begin(), presets.end(), method);
+  if (method == "default") {
     colorByDefault(bed, params, result);
+  } else if (preset != presets.end()) {
+    colorByPreset(observed, static_cast<Method>(preset - presets.begin()), params, result);
   } else {
     colorByGraph(observed, method, params, result);
     return result;

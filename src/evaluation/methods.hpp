@@ -24,6 +24,13 @@ struct ObservedBed {
   double seconds = 0;  ///< of a processor: surfels, depth images and observation
 };
 
+/// The views of a bed with the given poses, and exposures and weights if any (one a view), each with the depth image of
+/// all points. `camera` is the bed's; the views point to it.
+std::vector<ObservedView> observedViews(const TestBed& bed, const Surfels& surfels, const Camera& camera,
+                                        const std::vector<Eigen::Isometry3d>& poses,
+                                        const std::vector<Exposure>& exposures, const std::vector<float>& weights,
+                                        const Params& params);
+
 /// Visibility and observation with the given poses, and exposures and weights if any (one a view).
 ObservedBed observeBed(const TestBed& bed, const std::vector<Eigen::Isometry3d>& poses,
                        const std::vector<Exposure>& exposures, const Params& params,
