@@ -4,22 +4,12 @@
 /// Pictures of a held-out image and of what a map predicts for it.
 #pragma once
 
-#include <cstdint>
-#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
-#include "cloud_colorizer/base/types.hpp"
+#include "evaluation/seen_image.hpp"
 
 namespace cloud_colorizer {
-
-/// A held-out image at the points that it shows.
-struct SeenImage {
-  std::vector<Eigen::Index> points;
-  std::vector<float> depths, pixel_radii;
-  std::vector<Eigen::Vector2f> pixels;
-  Values values;  ///< 3 x number of points
-};
 
 /// Writes the image (RGB), the predicted colours of the points in use, both over each other, and the error.
 void savePictures(const std::string& path, const std::string& method, const SeenImage& seen, const Values& predicted,

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/seen_image.hpp"
+
+#include <algorithm>
+
+namespace cloud_colorizer {
+namespace {
+
+using Eigen::Index;
+
+Eigen::Vector3f bilinear(const cv::Mat3b& image, const Eigen::Vector2f& pixel) {
+  const float x = std::clamp(pixel.x(), 0.F, static_cast<float>(image.cols - 1));
+  const float y = std::clamp(pixel.y(), 0.F, static_cast<float>(image.rows - 1));
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+  const int x1 = std::min(x0 + 1, image.cols - 1), y1 = std::min(y0 + 1, image.rows - 1);
+  const float ax = x - static_cast<float>(x0), ay = y - static_cast<float>(y0);
+  Eigen::Vector3f value;
+  for (int c = 0; c < 3; ++c) {
+    const auto above = static_cast<float>(image(y0, x0)[c]) * (1 - ax) + static_cast<float>(image(y0, x1)[c]) * ax;
+    const auto below = static_cast<float>(image(y1, x0)[c]) * (1 - ax) + static_cast<float>(image(y1, x1)[c]) * ax;
+    value[c] = above * (1 - ay) + below * ay;
+  }
+  return value;
+}
+
+constexpr float kSaturated = 250;
+
+}  // namespace
+
+SeenImage HeldoutView::at(PointsRef points, const Surfels& surfels, const Params& params) const {
+  const Eigen::Isometry3f camera_from_map = view.map_from_camera.inverse().cast<float>();
+  DepthSplatter splatter(camera, camera_from_map, params.depth, empty_space);
+  splatter.add(points, surfels);
+  const DepthImage depth = splatter.finish();
+  SeenImage seen;
+  const auto border = static_cast<float>(params.observe.image_border);
+  const auto right = static_cast<float>(image.cols - 1) - border, bottom = static_cast<float>(image.rows - 1) - border;
+  std::vector<Eigen::Vector3f> values;
+  for (Index p = 0; p < points.cols(); ++p) {
+    const Eigen::Vector3f local = camera_from_map * surfels.onSurface(p, points.col(p));
+    if (local.z() <= 0 || local.norm() > static_cast<float>(params.depth.max_view_distance)) continue;
+    const auto pixel = camera.project(camera_from_map * points.col(p));
+    if (!pixel || pixel->x() < border || pixel->y() < border || pixel->x() > right || pixel->y() > bottom) continue;
+    if (!mask.empty() && mask.at<std::uint8_t>(cv::Point(cvRound(pixel->x()), cvRound(pixel->y()))) == 0) continue;
+    const Eigen::Vector3f normal = camera_from_map.linear() * surfels.normals.col(p);
+    if (depth.test(*pixel, local, normal, surfels.radii[p], params.depth) != Visibility::kVisible) continue;
+    const Eigen::Vector3f value = bilinear(image, *pixel);
+    if (value.maxCoeff() >= kSaturated) continue;  // what is brighter than the image holds tells no colour
+    seen.points.push_back(p);
+    seen.pixels.push_back(*pixel);
+    seen.depths.push_back(local.z());
+    seen.pixel_radii.push_back(surfels.radii[p] * static_cast<float>(camera.intrinsics().fx) / local.z());
+    values.push_back(value);
+  }
+  seen.values.resize(3, static_cast<Index>(values.size()));
+  for (std::size_t k = 0; k < values.size(); ++k) seen.values.col(static_cast<Index>(k)) = values[k];
+  return seen;
+}
+
+SeenImage HeldoutView::from(const Eigen::Isometry3d& map_from_camera, PointsRef points, const SeenImage& seen) const {
+  const Eigen::Isometry3f camera_from_map = map_from_camera.inverse().cast<float>();
+  SeenImage moved = seen;
+  for (std::size_t k = 0; k < seen.points.size(); ++k) {
+    const auto pixel = camera.project(camera_from_map * points.col(seen.points[k]));
+    if (!pixel) continue;
+    moved.pixels[k] = *pixel;
+    moved.values.block<3, 1>(0, static_cast<Index>(k)) = bilinear(image, *pixel);
+  }
+  return moved;
+}
+
+}  // namespace cloud_colorizer
