@@ -5,10 +5,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 
 #include "base/columns.hpp"
+#include "cloud/ply.hpp"
 #include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "cloud_colorizer/surface/zorder.hpp"
 #include "evaluation/random.hpp"
 
@@ -87,6 +90,19 @@ Points vertexNormals(const Points& vertices, const Eigen::Matrix3Xi& faces) {
     }
   }
   return normals;
+}
+
+Mesh readMesh(const std::string& path) {
+  CloudReader reader(path);
+  const std::vector<Eigen::Vector3i> faces = readPlyFaces(path);
+  require(!faces.empty(), path, ": the mesh has no faces; the test bed samples points on faces, so give a mesh, not a ",
+          "point cloud");
+  Mesh mesh;
+  mesh.name = std::filesystem::path(path).stem().string();
+  mesh.vertices = reader.read(reader.numPoints()).positions.cast<float>();
+  mesh.faces = Eigen::Map<const Eigen::Matrix3Xi>(faces.front().data(), 3, static_cast<Eigen::Index>(faces.size()));
+  mesh.normals = vertexNormals(mesh.vertices, mesh.faces);
+  return mesh;
 }
 
 Mesh bumpySphere(int detail) {

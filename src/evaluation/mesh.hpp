@@ -20,7 +20,7 @@ struct Mesh {
   Eigen::Matrix3Xi faces;  ///< indices of vertices
 };
 
-/// Reads a PLY (ascii or binary little endian) with faces of three or more corners (fans are made of the latter).
+/// Reads a PLY with faces of three or more corners (fans are made of the latter).
 /// The name is the file's stem. Throws std::runtime_error with file and reason: no faces, an index out of range, ...
 Mesh readMesh(const std::string& path);
 

@@ -3,7 +3,6 @@
 #include "evaluation/test_bed.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/parallel.hpp"
@@ -20,26 +19,8 @@ float squareWave(float x) {
   return std::sin(x) > 0 ? 1.F : 0.F;
 }
 
-/// Quantiles of the standard normal at (k + 0.5) / size; a pixel's noise is a table look-up.
-const std::array<float, 65536>& gaussianTable() {
-  static const std::array<float, 65536> table = [] {
-    std::array<float, 65536> quantiles{};
-    double x = -4.5;
-    for (std::size_t k = 0; k < quantiles.size(); ++k) {
-      const double target = (static_cast<double>(k) + 0.5) / static_cast<double>(quantiles.size());
-      for (int i = 0; i < 6; ++i) {  // Newton on the distribution function
-        const double density = std::exp(-x * x / 2) / std::sqrt(2 * 3.141592653589793);
-        x -= std::clamp((std::erfc(-x / std::sqrt(2)) / 2 - target) / density, -0.5, 0.5);
-      }
-      quantiles[k] = static_cast<float>(x);
-    }
-    return quantiles;
-  }();
-  return table;
-}
-
 cv::Mat noisyImage(const cv::Mat& clean, double gain, double sigma, std::uint64_t stream) {
-  const auto& table = gaussianTable();
+  static const std::vector<float> table = normalQuantiles(65536);
   cv::Mat noisy(clean.size(), clean.type());
   const auto width = static_cast<std::size_t>(clean.cols * clean.channels());
   for (int y = 0; y < clean.rows; ++y) {

@@ -3,31 +3,8 @@
 
 #include "simulation/random.hpp"
 
-#include <array>
-
 namespace cloud_colorizer::simulation {
 namespace {
-
-constexpr std::size_t kQuantiles = 4096;
-
-/// Inverse of the normal distribution function, by bisection of erfc.
-double normalQuantile(double probability) {
-  double low = -6;
-  double high = 6;
-  for (int i = 0; i < 50; ++i) {
-    const double middle = (low + high) / 2;
-    (0.5 * std::erfc(-middle / std::sqrt(2.0)) < probability ? low : high) = middle;
-  }
-  return (low + high) / 2;
-}
-
-std::array<float, kQuantiles> makeQuantiles() {
-  std::array<float, kQuantiles> table{};
-  for (std::size_t i = 0; i < kQuantiles; ++i) {
-    table[i] = static_cast<float>(normalQuantile((static_cast<double>(i) + 0.5) / kQuantiles));
-  }
-  return table;
-}
 
 float latticeValue(std::int32_t x, std::int32_t y, std::uint32_t seed) {
   std::uint32_t h = static_cast<std::uint32_t>(x) * 0x85EBCA6BU ^ static_cast<std::uint32_t>(y) * 0xC2B2AE35U ^ seed;
@@ -39,7 +16,7 @@ float latticeValue(std::int32_t x, std::int32_t y, std::uint32_t seed) {
 }  // namespace
 
 void gaussianTriple(std::uint64_t key, float* triple) {
-  static const std::array<float, kQuantiles> kTable = makeQuantiles();
+  static const std::vector<float> kTable = normalQuantiles(4096);
   const std::uint64_t bits = mixBits(key);
   triple[0] = kTable[bits & 4095];
   triple[1] = kTable[(bits >> 12) & 4095];

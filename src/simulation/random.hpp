@@ -1,21 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Random numbers without state: a hash of what they are for, so that the same number comes out in any order of work.
+/// Random numbers of a key.
 #pragma once
 
-#include <cmath>
-#include <cstdint>
+#include "base/random.hpp"
 
 namespace cloud_colorizer::simulation {
-
-/// The finaliser of splitmix64.
-constexpr std::uint64_t mixBits(std::uint64_t x) {
-  x += 0x9E3779B97F4A7C15ULL;
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBULL;
-  return x ^ (x >> 31);
-}
 
 /// One key of any number of integers; their order matters.
 template <class... Integers>
@@ -34,10 +25,8 @@ inline double uniform(std::uint64_t key, double low, double high) {
   return low + (high - low) * uniform(key);
 }
 
-/// Of mean 0 and standard deviation 1 (Box and Muller).
 inline double gaussian(std::uint64_t key) {
-  constexpr double kTwoPi = 6.283185307179586;
-  return std::sqrt(-2 * std::log(1 - uniform(key))) * std::cos(kTwoPi * uniform(~key));
+  return gaussianOf(1 - uniform(key), uniform(~key));
 }
 
 /// Three gaussian numbers of one key, from a table of 4096 quantiles: cheap enough for every pixel.

@@ -28,7 +28,7 @@ struct Bound {
   double nearest;  // m
 };
 
-struct Sample {
+struct Traced {
   Eigen::Vector3f color{0, 0, 0};
   int surface = kSky;  // solid and face
 };
@@ -61,9 +61,9 @@ class Renderer {
       const cv::Rect area = areaOf(block % columns, block / columns);
       candidates.push_back(candidatesOf(area));
       forEachPixel(area, [&](int u, int v) {
-        const Sample sample = trace(rays_.bearing(u, v), candidates.back());
-        image(v, u) = cv::Vec3f(sample.color.x(), sample.color.y(), sample.color.z());
-        surfaces_(v, u) = sample.surface;
+        const Traced traced = trace(rays_.bearing(u, v), candidates.back());
+        image(v, u) = cv::Vec3f(traced.color.x(), traced.color.y(), traced.color.z());
+        surfaces_(v, u) = traced.surface;
       });
     }
     cv::Mat3f smooth = image.clone();
@@ -111,9 +111,9 @@ class Renderer {
     return found;
   }
 
-  Sample trace(const Eigen::Vector3f& bearing, const std::vector<Candidate>& candidates) const {
-    Sample sample;
-    if (bearing.isZero()) return sample;
+  Traced trace(const Eigen::Vector3f& bearing, const std::vector<Candidate>& candidates) const {
+    Traced traced;
+    if (bearing.isZero()) return traced;
     const Eigen::Vector3d direction = (rotation_ * bearing.cast<double>()).normalized();
     LocalHit best;
     LocalHit hit;
@@ -127,15 +127,15 @@ class Renderer {
       solid = candidate.solid;
     }
     if (solid < 0) {
-      sample.color = scene_.skyColor(direction).matrix();
-      return sample;
+      traced.color = scene_.skyColor(direction).matrix();
+      return traced;
     }
     const Hit complete = scene_.completeHit(solid, best, time_);
     const double cosine = std::max(0.05, -complete.normal.dot(direction));
     const auto footprint = static_cast<float>(best.distance / std::sqrt(cosine)) * rays_.pixelAngle();
-    sample.color = scene_.trueColor(complete, std::max(0.002F, footprint)).matrix();
-    sample.surface = solid * 16 + best.face;
-    return sample;
+    traced.color = scene_.trueColor(complete, std::max(0.002F, footprint)).matrix();
+    traced.surface = solid * 16 + best.face;
+    return traced;
   }
 
   bool isEdge(const cv::Mat3f& image, int u, int v) const {

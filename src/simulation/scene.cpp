@@ -123,6 +123,25 @@ std::optional<Hit> Scene::castRay(const Eigen::Vector3d& origin, const Eigen::Ve
   return completeHit(best_solid, best, time);
 }
 
+template <class Enters, class Test>
+bool Scene::anySolid(const Enters& enters, const Test& test) const {
+  std::array<int, kStackSize> stack;
+  std::size_t size = 0;
+  if (!nodes_.empty()) stack[size++] = 0;
+  while (size > 0) {
+    const int index = stack[--size];
+    const Node& node = nodes_[static_cast<std::size_t>(index)];
+    if (!enters(node.box)) continue;
+    for (int i = 0; i < node.count; ++i) {
+      if (test(order_[static_cast<std::size_t>(node.first + i)])) return true;
+    }
+    if (node.count > 0) continue;
+    stack[size++] = node.first;
+    stack[size++] = index + 1;
+  }
+  return false;
+}
+
 bool Scene::isBlocked(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double time) const {
   const Eigen::Vector3d way = to - from;
   const double distance = way.norm();
@@ -133,43 +152,22 @@ bool Scene::isBlocked(const Eigen::Vector3d& from, const Eigen::Vector3d& to, do
   const auto blocks = [&](int index) {
     return solids_[static_cast<std::size_t>(index)].intersect(from, direction, time, distance, hit);
   };
-  if (std::any_of(movers_.begin(), movers_.end(), blocks)) return true;
-  std::array<int, kStackSize> stack;
-  std::size_t size = 0;
-  if (!nodes_.empty()) stack[size++] = 0;
-  while (size > 0) {
-    const int index = stack[--size];
-    const Node& node = nodes_[static_cast<std::size_t>(index)];
-    if (enterBox(node.box, from, inverse, distance) == kFar) continue;
-    for (int i = 0; i < node.count; ++i) {
-      if (blocks(order_[static_cast<std::size_t>(node.first + i)])) return true;
-    }
-    if (node.count > 0) continue;
-    stack[size++] = node.first;
-    stack[size++] = index + 1;
-  }
-  return false;
+  const auto enters = [&](const Eigen::AlignedBox3d& box) { return enterBox(box, from, inverse, distance) != kFar; };
+  return std::any_of(movers_.begin(), movers_.end(), blocks) || anySolid(enters, blocks);
 }
 
 int Scene::buriedIn(const Eigen::Vector3d& point, int except) const {
   constexpr double kDepth = 1e-3;  // m; solids that only touch do not bury each other's faces
-  std::array<int, kStackSize> stack;
-  std::size_t size = 0;
-  stack[size++] = 0;
-  while (size > 0) {
-    const int index = stack[--size];
-    const Node& node = nodes_[static_cast<std::size_t>(index)];
-    if (!node.box.contains(point)) continue;
-    for (int i = 0; i < node.count; ++i) {
-      const int solid = order_[static_cast<std::size_t>(node.first + i)];
-      if (solid != except && solids_[static_cast<std::size_t>(solid)].closest(point, 0).distance < -kDepth)
-        return solid;
-    }
-    if (node.count > 0) continue;
-    stack[size++] = node.first;
-    stack[size++] = index + 1;
-  }
-  return -1;
+  int around = -1;
+  anySolid([&](const Eigen::AlignedBox3d& box) { return box.contains(point); },
+           [&](int solid) {
+             if (solid == except || solids_[static_cast<std::size_t>(solid)].closest(point, 0).distance >= -kDepth) {
+               return false;
+             }
+             around = solid;
+             return true;
+           });
+  return around;
 }
 
 std::optional<Hit> Scene::surfaceNear(const Eigen::Vector3d& point, int solid, LocalHit local) const {
@@ -190,22 +188,13 @@ std::optional<Hit> Scene::surfaceNear(const Eigen::Vector3d& point, int solid, L
 
 std::optional<Hit> Scene::closestPoint(const Eigen::Vector3d& point, double max_distance) const {
   std::vector<std::pair<int, LocalHit>> found;
-  std::array<int, kStackSize> stack;
-  std::size_t size = 0;
-  if (!nodes_.empty()) stack[size++] = 0;
-  while (size > 0) {
-    const int index = stack[--size];
-    const Node& node = nodes_[static_cast<std::size_t>(index)];
-    if (node.box.squaredExteriorDistance(point) > max_distance * max_distance) continue;
-    for (int i = 0; i < node.count; ++i) {
-      const int solid = order_[static_cast<std::size_t>(node.first + i)];
-      const LocalHit hit = solids_[static_cast<std::size_t>(solid)].closest(point, 0);
-      if (std::abs(hit.distance) <= max_distance) found.emplace_back(solid, hit);
-    }
-    if (node.count > 0) continue;
-    stack[size++] = node.first;
-    stack[size++] = index + 1;
-  }
+  anySolid(
+      [&](const Eigen::AlignedBox3d& box) { return box.squaredExteriorDistance(point) <= max_distance * max_distance; },
+      [&](int solid) {
+        const LocalHit hit = solids_[static_cast<std::size_t>(solid)].closest(point, 0);
+        if (std::abs(hit.distance) <= max_distance) found.emplace_back(solid, hit);
+        return false;
+      });
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
     const double da = std::abs(a.second.distance);
     const double db = std::abs(b.second.distance);

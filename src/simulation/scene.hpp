@@ -71,6 +71,9 @@ class Scene {
   };
 
   int build(int first, int count);
+  /// Whether test(solid) is true for one that stands, of those in boxes that enters(box) lets through.
+  template <class Enters, class Test>
+  bool anySolid(const Enters& enters, const Test& test) const;
   int buriedIn(const Eigen::Vector3d& point, int except) const;  ///< index of a solid around it, or -1
   std::optional<Hit> surfaceNear(const Eigen::Vector3d& point, int solid, LocalHit local) const;
   void buildShadows(int num_threads);

@@ -56,7 +56,30 @@ TEST(Mesh, BinaryEqualsAscii) {
   const Mesh mesh = readMesh(writeFile("triangle.ply", binary));
   EXPECT_TRUE(mesh.vertices.col(2).isApprox(Eigen::Vector3f(2, 4, 0.5F)));
   EXPECT_EQ(mesh.faces.col(0), Eigen::Vector3i(0, 1, 2));
-  EXPECT_NE(messageOf(writeFile("cut.ply", binary.substr(0, binary.size() - 6))).find("ends before"),
+  EXPECT_NE(messageOf(writeFile("cut.ply", binary.substr(0, binary.size() - 6))).find("truncated"), std::string::npos);
+}
+
+TEST(Mesh, BigEndianWithOtherElementsAndProperties) {
+  std::string binary =
+      "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element tag 2\nproperty list uchar short names\nelement face 1\nproperty float quality\n"
+      "property list ushort uint vertex_indices\nend_header\n";
+  const auto put = [&binary](const auto value) {
+    const std::string bytes(reinterpret_cast<const char*>(&value), sizeof(value));
+    binary.append(bytes.rbegin(), bytes.rend());
+  };
+  for (int v = 0; v < 9; ++v) put(v % 4 == 0 ? 5.F : 0.F);
+  for (int tag = 0; tag < 2; ++tag) put(static_cast<std::uint8_t>(1)), put(static_cast<std::int16_t>(7));
+  put(0.5F);
+  put(static_cast<std::uint16_t>(3));
+  for (const std::uint32_t corner : {2U, 0U, 1U}) put(corner);
+  const Mesh mesh = readMesh(writeFile("big.ply", binary));
+  EXPECT_TRUE(mesh.vertices.isApprox(5 * Eigen::Matrix3f::Identity()));
+  EXPECT_EQ(mesh.faces.col(0), Eigen::Vector3i(2, 0, 1));
+  EXPECT_NE(messageOf(writeFile("huge.ply",
+                                "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y"
+                                "\nproperty float z\nelement face 999999999999\nend_header\n0 0 0\n"))
+                .find("cannot hold"),
             std::string::npos);
 }
 
@@ -65,7 +88,7 @@ TEST(Mesh, WithoutFacesIsRefusedWithTheReason) {
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 "
       "0\n";
   EXPECT_NE(messageOf(writeFile("cloud.ply", cloud)).find("no faces"), std::string::npos);
-  EXPECT_NE(messageOf(writeFile("text.ply", "hello\n")).find("not a PLY"), std::string::npos);
+  EXPECT_NE(messageOf(writeFile("text.ply", "hello\n")).find("no PLY file"), std::string::npos);
   EXPECT_NE(messageOf("/nowhere/mesh.ply").find("cannot open"), std::string::npos);
   std::string bad_index = kSquare;
   bad_index.replace(bad_index.rfind('3'), 1, "7");

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <vector>
 
+#include "base/random.hpp"
 #include "cloud_colorizer/base/types.hpp"
 
 namespace cloud_colorizer {
@@ -20,10 +21,7 @@ inline double unitHash(const Eigen::Vector3f& point) {
     std::uint32_t bits = 0;
     const float coordinate = point[axis] + 0.0F;  // -0 becomes +0
     std::memcpy(&bits, &coordinate, sizeof(bits));
-    hash = (hash ^ bits) + 0x9e3779b97f4a7c15ULL;
-    hash = (hash ^ (hash >> 30U)) * 0xbf58476d1ce4e5b9ULL;
-    hash = (hash ^ (hash >> 27U)) * 0x94d049bb133111ebULL;
-    hash ^= hash >> 31U;
+    hash = mixBits(hash ^ bits);
   }
   return static_cast<double>(hash >> 11U) * 0x1p-53;
 }

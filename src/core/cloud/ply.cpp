@@ -58,15 +58,19 @@ PlyProperty parseProperty(const std::vector<std::string>& words, const std::stri
   return property;
 }
 
-std::uint64_t readListLength(BlockReader& input, FieldType type, bool swap) {
+double readBinary(BlockReader& input, FieldType type, Encoding encoding) {
   std::array<std::uint8_t, 8> bytes{};
   const auto size = sizeOf(type);
   input.read(bytes.data(), size);
-  if (swap) std::reverse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+  if (encoding == Encoding::kBinaryBigEndian) std::reverse(bytes.begin(), bytes.begin() + static_cast<long>(size));
+  return numberAt(bytes.data(), type);
+}
+
+std::uint64_t readListLength(BlockReader& input, FieldType type, Encoding encoding) {
   require(type != FieldType::kFloat32 && type != FieldType::kFloat64, input.path(), ": a list's length is no integer");
-  std::uint64_t length = 0;
-  std::memcpy(&length, bytes.data(), size);
-  return length;
+  const double length = readBinary(input, type, encoding);
+  require(length >= 0, input.path(), ": a list has the length ", length);
+  return static_cast<std::uint64_t>(length);
 }
 
 /// Moves behind an element that lies before the points.
@@ -90,8 +94,7 @@ void skipElement(BlockReader& input, const PlyElement& element, Encoding encodin
       continue;
     }
     for (const auto& property : element.properties) {
-      const auto count =
-          property.is_list ? readListLength(input, property.length_type, encoding == Encoding::kBinaryBigEndian) : 1;
+      const auto count = property.is_list ? readListLength(input, property.length_type, encoding) : 1;
       input.skip(count * sizeOf(property.value.field.type));
     }
   }
@@ -123,10 +126,7 @@ std::vector<Field> plyFields(const std::vector<Field>& fields) {
   return result;
 }
 
-}  // namespace
-
-CloudHeader readPlyHeader(BlockReader& input) {
-  CloudHeader header;
+std::vector<PlyElement> readElements(BlockReader& input, Encoding& encoding) {
   std::vector<PlyElement> elements;
   std::string line;
   bool has_format = false;
@@ -138,7 +138,7 @@ CloudHeader readPlyHeader(BlockReader& input) {
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
     if (words[0] == "end_header") break;
     if (words[0] == "format" && words.size() >= 2) {
-      header.encoding = plyEncoding(words[1], where);
+      encoding = plyEncoding(words[1], where);
       has_format = true;
     } else if (words[0] == "element" && words.size() == 3) {
       elements.push_back({words[1], parseCount(words[2], where), {}});
@@ -148,6 +148,37 @@ CloudHeader readPlyHeader(BlockReader& input) {
     }
   }
   require(has_format, input.path(), " has no format line in its header");
+  return elements;
+}
+
+/// The list of corners in one face; what else it has is passed over.
+std::vector<double> readCorners(BlockReader& input, const PlyElement& element, Encoding encoding, std::string& line) {
+  std::vector<double> corners;
+  const bool is_text = encoding == Encoding::kAscii;
+  require(!is_text || input.readLine(line), input.path(), " is truncated: it ends within its faces");
+  const char* text = line.c_str();
+  const auto next = [&](FieldType type) {
+    double number = 0;
+    if (!is_text) return readBinary(input, type, encoding);
+    require(parseDouble(text, number), input.path(), ": `", line.substr(0, 80), "` is no face");
+    return number;
+  };
+  for (const auto& property : element.properties) {
+    const bool wanted = property.is_list && property.value.field.name.rfind("vertex_ind", 0) == 0;
+    const double count = property.is_list ? next(property.length_type) : 1;
+    for (double i = 0; i < count; ++i) {
+      const double number = next(property.value.field.type);
+      if (wanted) corners.push_back(number);
+    }
+  }
+  return corners;
+}
+
+}  // namespace
+
+CloudHeader readPlyHeader(BlockReader& input) {
+  CloudHeader header;
+  const std::vector<PlyElement> elements = readElements(input, header.encoding);
   const auto vertex =
       std::find_if(elements.begin(), elements.end(), [](const PlyElement& e) { return e.name == "vertex"; });
   require(vertex != elements.end(), input.path(), " has no points: it has no element vertex");
@@ -159,6 +190,34 @@ CloudHeader readPlyHeader(BlockReader& input) {
     header.fields.push_back(property.value);
   }
   return header;
+}
+
+std::vector<Eigen::Vector3i> readPlyFaces(const std::string& path) {
+  BlockReader input(path);
+  Encoding encoding = Encoding::kAscii;
+  std::vector<Eigen::Vector3i> faces;
+  double num_points = 0;
+  std::string line;
+  for (const PlyElement& element : readElements(input, encoding)) {
+    if (element.name == "vertex") num_points = static_cast<double>(element.count);
+    if (element.name != "face") {
+      skipElement(input, element, encoding);
+      continue;
+    }
+    require(element.count <= input.remaining(), path, " is truncated: it cannot hold ", element.count, " faces");
+    for (std::uint64_t f = 0; f < element.count; ++f) {
+      const std::vector<double> corners = readCorners(input, element, encoding, line);
+      for (const double corner : corners) {
+        require(corner >= 0 && corner < num_points, path, ": face ", f, " has a vertex index outside [0, ", num_points,
+                ")");
+      }
+      for (std::size_t c = 2; c < corners.size(); ++c) {
+        faces.push_back(Eigen::Vector3d(corners[0], corners[c - 1], corners[c]).cast<int>());
+      }
+    }
+    break;
+  }
+  return faces;
 }
 
 std::string plyHeader(const std::vector<Field>& fields, bool double_positions, std::uint64_t num_points) {

@@ -16,6 +16,10 @@ namespace cloud_colorizer {
 /// Reads the header; the reader then stands at the first point. Throws std::runtime_error with file and reason.
 CloudHeader readPlyHeader(BlockReader& input);
 
+/// The faces of a mesh, whose points CloudReader reads, as triangles: fans of those with more corners. None where the
+/// file has points only. Throws std::runtime_error with file and reason, also for an index that no point has.
+std::vector<Eigen::Vector3i> readPlyFaces(const std::string& path);
+
 /// Header of x, y, z (float, or double) followed by `fields`: a packed rgb becomes uchar red, green, blue, and fields
 /// that have these names already get the prefix "input_"; arrays become name_0, name_1, ...
 std::string plyHeader(const std::vector<Field>& fields, bool double_positions, std::uint64_t num_points);
