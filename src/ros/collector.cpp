@@ -29,6 +29,7 @@ constexpr std::size_t kMaxPending = 2000;  // messages of a topic; a guard for s
 
 /// tf and time offsets add up to a day to a stamp, which ros::Time then may not hold.
 constexpr std::uint32_t kLastSecond = std::numeric_limits<std::uint32_t>::max() - 2 * 86400;
+constexpr double kMaxDistance = 1e9;  // m from the map's origin; up to there a double is exact to a micrometre
 
 using Invalid = std::invalid_argument;
 using Isometry = Eigen::Isometry3d;
@@ -181,10 +182,14 @@ struct Collector::Impl {
       Eigen::Quaterniond rotation;  // tf takes what is up to a percent off the unit length, and tf2_eigen as well
       tf2::fromMsg(transform.rotation, rotation);
       transform.rotation = tf2::toMsg(rotation.normalized());
-      return tf2::transformToEigen(transform);
+      const Isometry result = tf2::transformToEigen(transform);
+      if (result.translation().cwiseAbs().maxCoeff() < kMaxDistance) return result;  // tf takes infinity
+      throw Refused{Outcome::kNoTransform, "the transform from " + source + " to " + target +
+                                               " is damaged: a translation of " +
+                                               std::to_string(result.translation().norm()) + " m"};
     } catch (const tf2::ConnectivityException& error) {
       throw NotYet{{Outcome::kNoTransform, std::string(error.what()) + " Is ~map_frame (" + map_frame + ") right?"}};
-    } catch (const tf2::TransformException& error) {
+    } catch (const std::runtime_error& error) {  // also ros::Duration's, where stamps are 68 years apart
       throw NotYet{{Outcome::kNoTransform, error.what()}};
     }
   }

@@ -212,6 +212,8 @@ void checkImage(const sensor_msgs::Image& message) {
   const std::uint64_t row = std::uint64_t{message.width} * CV_ELEM_SIZE(layout.type);
   require<Invalid>(message.step >= row, "image: step ", message.step, " is less than a row of ", row, " bytes (",
                    message.encoding, ", width ", message.width, ")");
+  require<Invalid>(message.step % CV_ELEM_SIZE1(layout.type) == 0, "image: step ", message.step,
+                   " cuts the numbers of ", message.encoding, " in two");
   // The last row needs no padding. Divided, because the product may not fit into 64 bits.
   const std::uint64_t rows = message.height * layout.rows_a_pair / 2;
   require<Invalid>(message.data.size() >= row && (message.data.size() - row) / message.step >= rows - 1 &&

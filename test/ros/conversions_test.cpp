@@ -409,6 +409,10 @@ TEST(ImageFromMessage, WhatDoesNotFitIsRefused) {
   message = good;
   message.width = 0;
   EXPECT_REFUSED(checkImage(message), "0 x 2");
+  message = imageMessage("mono16", 4, 2, {1, 2, 3, 4});
+  message.step = 9;
+  message.data.resize(18);
+  EXPECT_REFUSED(checkImage(message), "step 9 cuts the numbers of mono16 in two");
   message.width = message.height = message.step = std::numeric_limits<std::uint32_t>::max();
   message.encoding = "8UC1";
   EXPECT_REFUSED(checkImage(message), "data has");
