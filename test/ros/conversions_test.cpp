@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -121,6 +122,14 @@ TEST(CloudFromMessage, FieldsThatOverlapAreRefused) {
     message.fields.back().name += std::to_string(i);
   }
   EXPECT_REFUSED(cloudFromMessage(message), "the fields up to i0 take 20 bytes, but point_step is 16: they overlap");
+}
+
+TEST(CloudFromMessage, RowsWithoutPointsTakeNoTime) {
+  auto message = PointWriter().field("x", 7).field("y", 7).field("z", 7).done(0, 0);
+  message.height = std::numeric_limits<std::uint32_t>::max();
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(cloudFromMessage(message).positions.cols(), 0);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(500));
 }
 
 TEST(CloudFromMessage, CountOfZeroIsOne) {

@@ -61,7 +61,8 @@ bool hostIsBigEndian() {
 Cloud cloudOf(const PointBytes& bytes) {
   const auto layout = layoutOf(bytes);
   checkSizes(bytes);
-  const auto width = static_cast<std::size_t>(bytes.width), height = static_cast<std::size_t>(bytes.height);
+  const auto width = static_cast<std::size_t>(bytes.width);
+  const auto height = width > 0 ? static_cast<std::size_t>(bytes.height) : 0;  // four billion empty rows take seconds
   Cloud cloud;
   cloud.fields = layout.fields();
   cloud.positions.resize(3, static_cast<Eigen::Index>(width * height));
