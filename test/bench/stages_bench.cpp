@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// Micro-benchmarks of the stages, one row each, on the points and images of a test bed. Time is by the clock on the
-/// wall, CPU that of all threads; the counters tell nanoseconds on the wall for one point, point and view, observation
-/// or edge.
+/// wall, CPU that of all threads; the counters tell the time on the wall for one point, point and view, observation or
+/// edge.
 #include <benchmark/benchmark.h>
 
 #include <Eigen/IterativeLinearSolvers>
@@ -12,6 +12,7 @@
 #include "cloud_colorizer/color/fuse.hpp"
 #include "cloud_colorizer/color/system.hpp"
 #include "evaluation/methods.hpp"
+#include "visibility/best_views.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -98,7 +99,7 @@ void measure(benchmark::State& state, const char* counter, double (Scene::*count
   const Scene& scene = sceneOf(state.range(0));
   for (auto _ : state) benchmark::DoNotOptimize(stage(scene));
   const double items = (scene.*count)() * static_cast<double>(state.iterations());
-  state.counters[counter] = benchmark::Counter(items * 1e-9, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  state.counters[counter] = benchmark::Counter(items, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
 template <class Stage>
@@ -136,13 +137,29 @@ void depthImage(benchmark::State& state) {
   });
 }
 /// All views, with the surfels and depth images that are there.
-std::size_t observeViews(const Scene& s, std::size_t num_views) {
-  const auto view = [&](std::size_t v) { return s.views[v]; };
-  return observe(s.bed.points, s.surfels, num_views, view, DepthParams{}, ObserveParams{}).observations.views.size();
-}
 void observeOnly(benchmark::State& state) {
-  measure(state, "per_point_view", &Scene::numPointViews,
-          [](const Scene& s) { return observeViews(s, s.views.size()); });
+  measure(state, "per_point_view", &Scene::numPointViews, [](const Scene& s) {
+    const auto view = [&](std::size_t v) { return s.views[v]; };
+    return observe(s.bed.points, s.surfels, s.views.size(), view, DepthParams{}, ObserveParams{}).unseen.size();
+  });
+}
+/// The observations put into the lists of their points, view by view, and taken out again.
+void lists(benchmark::State& state) {
+  measure(state, "per_observation", &Scene::numObservations, [](const Scene& s) {
+    const Observations& o = s.observed.observations;
+    BestViews best(o.numPoints(), ObserveParams{}.max_views);
+    best.reserve(s.views.size(), 3);
+    std::vector<std::uint32_t> next = o.offsets;
+    for (std::uint32_t v = 0; v < s.views.size(); ++v) {
+      for (std::size_t p = 0; p < o.numPoints(); ++p) {
+        const std::uint32_t k = next[p];
+        if (k == o.offsets[p + 1] || o.views[k] != v) continue;
+        best.add(p, {v, o.distances[k], o.weights[k]}, o.values.col(k).data(), false);
+        ++next[p];
+      }
+    }
+    return best.finish().views.size();
+  });
 }
 void fusingMean(benchmark::State& state) {
   measure(state, "per_observation", &Scene::numObservations,
@@ -205,6 +222,7 @@ BENCHMARK(edges)->Apply(inMilliseconds);
 BENCHMARK(surfels)->Apply(inMilliseconds);
 BENCHMARK(depthImage)->Apply(inMilliseconds);
 BENCHMARK(observeOnly)->Apply(inMilliseconds);
+BENCHMARK(lists)->Apply(inMilliseconds);
 BENCHMARK(fusingMean)->Apply(inMilliseconds);
 BENCHMARK(fusingRobust)->Apply(inMilliseconds);
 BENCHMARK(gradientsOf)->Apply(inMilliseconds);
