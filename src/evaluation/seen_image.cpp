@@ -2,25 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/seen_image.hpp"
 
-#include <algorithm>
+#include "visibility/bilinear.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
 using Eigen::Index;
 
-Eigen::Vector3f bilinear(const cv::Mat3b& image, const Eigen::Vector2f& pixel) {
-  const float x = std::clamp(pixel.x(), 0.F, static_cast<float>(image.cols - 1));
-  const float y = std::clamp(pixel.y(), 0.F, static_cast<float>(image.rows - 1));
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const int x1 = std::min(x0 + 1, image.cols - 1), y1 = std::min(y0 + 1, image.rows - 1);
-  const float ax = x - static_cast<float>(x0), ay = y - static_cast<float>(y0);
+Eigen::Vector3f valueAt(const cv::Mat3b& image, const Eigen::Vector2f& pixel) {
   Eigen::Vector3f value;
-  for (int c = 0; c < 3; ++c) {
-    const auto above = static_cast<float>(image(y0, x0)[c]) * (1 - ax) + static_cast<float>(image(y0, x1)[c]) * ax;
-    const auto below = static_cast<float>(image(y1, x0)[c]) * (1 - ax) + static_cast<float>(image(y1, x1)[c]) * ax;
-    value[c] = above * (1 - ay) + below * ay;
-  }
+  sampleBilinear<std::uint8_t>(image, pixel.x(), pixel.y(), value.data());
   return value;
 }
 
@@ -45,7 +36,7 @@ SeenImage HeldoutView::at(PointsRef points, const Surfels& surfels, const Params
     if (!mask.empty() && mask.at<std::uint8_t>(cv::Point(cvRound(pixel->x()), cvRound(pixel->y()))) == 0) continue;
     const Eigen::Vector3f normal = camera_from_map.linear() * surfels.normals.col(p);
     if (depth.test(*pixel, local, normal, surfels.radii[p], params.depth) != Visibility::kVisible) continue;
-    const Eigen::Vector3f value = bilinear(image, *pixel);
+    const Eigen::Vector3f value = valueAt(image, *pixel);
     if (value.maxCoeff() >= kSaturated) continue;  // what is brighter than the image holds tells no colour
     seen.points.push_back(p);
     seen.pixels.push_back(*pixel);
@@ -65,7 +56,7 @@ SeenImage HeldoutView::from(const Eigen::Isometry3d& map_from_camera, PointsRef 
     const auto pixel = camera.project(camera_from_map * points.col(seen.points[k]));
     if (!pixel) continue;
     moved.pixels[k] = *pixel;
-    moved.values.block<3, 1>(0, static_cast<Index>(k)) = bilinear(image, *pixel);
+    moved.values.block<3, 1>(0, static_cast<Index>(k)) = valueAt(image, *pixel);
   }
   return moved;
 }

@@ -9,6 +9,7 @@
 #include "cloud_colorizer/base/check.hpp"
 #include "surface/point_runs.hpp"
 #include "visibility/best_views.hpp"
+#include "visibility/bilinear.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -16,32 +17,14 @@ namespace {
 constexpr float kSaturatedWeight = 0.05F;  // the true value is unknown, only that it is brighter
 constexpr float kFullWeightBorder = 20;    // px from the usable border to where an observation counts fully
 
-/// Bilinear; neighbours beyond the border repeat it.
-template <class T>
-void sample(const cv::Mat& image, float u, float v, float* out) {
-  const int channels = image.channels();
-  const float x = std::min(std::max(u, 0.0F), static_cast<float>(image.cols - 1));
-  const float y = std::min(std::max(v, 0.0F), static_cast<float>(image.rows - 1));
-  const int left = static_cast<int>(x), top = static_cast<int>(y);
-  const int right = std::min(left + 1, image.cols - 1), bottom = std::min(top + 1, image.rows - 1);
-  const float ax = x - static_cast<float>(left), ay = y - static_cast<float>(top);
-  const T *const above = image.ptr<T>(top), *const below = image.ptr<T>(bottom);
-  for (int c = 0; c < channels; ++c) {
-    const auto a = static_cast<float>(above[left * channels + c]), b = static_cast<float>(above[right * channels + c]);
-    const auto d = static_cast<float>(below[left * channels + c]), e = static_cast<float>(below[right * channels + c]);
-    const float upper = a + ax * (b - a), lower = d + ax * (e - d);
-    out[c] = upper + ay * (lower - upper);
-  }
-}
-
 using Sampler = void (*)(const cv::Mat&, float, float, float*);
 
 Sampler samplerOf(const cv::Mat& image, std::uint32_t view) {
-  if (image.depth() == CV_8U) return sample<std::uint8_t>;
-  if (image.depth() == CV_16U) return sample<std::uint16_t>;
+  if (image.depth() == CV_8U) return sampleBilinear<std::uint8_t>;
+  if (image.depth() == CV_16U) return sampleBilinear<std::uint16_t>;
   require<std::invalid_argument>(image.depth() == CV_32F, "image of view ", view,
                                  " has an element type other than CV_8U, CV_16U and CV_32F");
-  return sample<float>;
+  return sampleBilinear<float>;
 }
 
 /// Nearly the largest value of the type: demosaicing and JPEG blur the limit. Floats have none.

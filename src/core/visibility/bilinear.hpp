@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Images between their pixels.
+#pragma once
+
+#include <algorithm>
+#include <opencv2/core.hpp>
+
+namespace cloud_colorizer {
+
+/// The value of each channel at (u, v) px; neighbours beyond the border repeat it.
+template <class T>
+void sampleBilinear(const cv::Mat& image, float u, float v, float* out) {
+  const int channels = image.channels();
+  const float x = std::min(std::max(u, 0.0F), static_cast<float>(image.cols - 1));
+  const float y = std::min(std::max(v, 0.0F), static_cast<float>(image.rows - 1));
+  const int left = static_cast<int>(x), top = static_cast<int>(y);
+  const int right = std::min(left + 1, image.cols - 1), bottom = std::min(top + 1, image.rows - 1);
+  const float ax = x - static_cast<float>(left), ay = y - static_cast<float>(top);
+  const T *const above = image.ptr<T>(top), *const below = image.ptr<T>(bottom);
+  for (int c = 0; c < channels; ++c) {
+    const auto a = static_cast<float>(above[left * channels + c]), b = static_cast<float>(above[right * channels + c]);
+    const auto d = static_cast<float>(below[left * channels + c]), e = static_cast<float>(below[right * channels + c]);
+    const float upper = a + ax * (b - a), lower = d + ax * (e - d);
+    out[c] = upper + ay * (lower - upper);
+  }
+}
+
+}  // namespace cloud_colorizer
