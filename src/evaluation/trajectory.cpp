@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "alignment/poses.hpp"
+#include "alignment/priors.hpp"
 
 namespace cloud_colorizer {
 namespace {

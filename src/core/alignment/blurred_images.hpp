@@ -39,6 +39,7 @@ class BlurredImages {
  public:
   BlurredImages(const AlignmentInput& input, double sigma);
   std::shared_ptr<const BlurredImage> get(std::size_t view) const;
+  double sigma() const { return sigma_; }  ///< px
 
  private:
   const AlignmentInput* input_;

@@ -24,21 +24,8 @@ struct Channels {
   std::vector<int> in_image;         // by view; 0 where it sees no point
 };
 
-// Calls visit(k, local, projected) for every observation of the view that is inside the image.
-template <class Visit>
-void forEachSighting(const AlignmentInput& input, const Tracks& tracks, const PoseState& state, std::size_t view,
-                     double margin, Visit&& visit) {
-  const Eigen::Isometry3d camera_from_map = correctedPose(input.views[view], state.views[view]).inverse();
-  const Camera& camera = input.cameras[input.views[view].camera];
-  for (std::uint32_t k = tracks.offsets[view]; k < tracks.offsets[view + 1]; ++k) {
-    if (tracks.sightings[k].edge_distance < margin) continue;
-    const Eigen::Vector3d local = camera_from_map * input.points.col(tracks.sightings[k].point).cast<double>();
-    const auto projected = camera.linearize(local);
-    if (projected) visit(k, local, projected->pixel);
-  }
-}
-
-Channels sampleChannels(const AlignmentInput& input, const Tracks& tracks, const PoseState& state, double sigma) {
+Channels sampleChannels(const AlignmentInput& input, const Tracks& tracks, const PoseState& state, double sigma,
+                        const Workers& workers) {
   Channels result;
   result.in_image.assign(tracks.numViews(), 0);
   std::vector<Channel>& channels = result.channels;
@@ -46,7 +33,7 @@ Channels sampleChannels(const AlignmentInput& input, const Tracks& tracks, const
     channel.values.assign(tracks.numObservations(), 0);
     channel.weights.assign(tracks.numObservations(), 0);
   }
-  parallelFor(input.num_threads, tracks.numViews(), [&](std::size_t v) {
+  workers.forEach(tracks.numViews(), [&](std::size_t v) {
     if (tracks.offsets[v] == tracks.offsets[v + 1]) return;
     const auto image = loadImage(input, v);
     const auto mask = loadMask(input, v);
@@ -55,11 +42,12 @@ Channels sampleChannels(const AlignmentInput& input, const Tracks& tracks, const
       cv::Mat plane;
       cv::extractChannel(*image, plane, std::min(c, image->channels() - 1));
       const BlurredImage blurred = blurImage(plane, mask.get(), sigma);
-      forEachSighting(input, tracks, state, v, 1.5 * sigma, [&](auto k, const auto&, const Eigen::Vector2d& pixel) {
-        const GreySample sample = sampleGrey(blurred, pixel);
+      forEachSight(input, tracks, state, v, [&](auto k, const auto&, const auto& projected) {
+        if (tracks.sights[k].edge_distance < 1.5 * sigma) return;
+        const GreySample sample = sampleGrey(blurred, projected.pixel);
         if (!sample.valid || !(sample.value > 1)) return;
         channels[static_cast<std::size_t>(c)].values[k] = sample.value;
-        channels[static_cast<std::size_t>(c)].weights[k] = tracks.sightings[k].weight;
+        channels[static_cast<std::size_t>(c)].weights[k] = tracks.sights[k].weight;
       });
     }
   });
@@ -68,20 +56,20 @@ Channels sampleChannels(const AlignmentInput& input, const Tracks& tracks, const
 
 // Undoes what the cameras' lenses darken, in all channels.
 void brighten(const AlignmentInput& input, const Tracks& tracks, const PoseState& state,
-              const std::vector<Exposure>& exposures, std::vector<Channel>& channels) {
-  parallelFor(input.num_threads, tracks.numViews(), [&](std::size_t v) {
+              const std::vector<Exposure>& exposures, std::vector<Channel>& channels, const Workers& workers) {
+  workers.forEach(tracks.numViews(), [&](std::size_t v) {
     const Intrinsics& intrinsics = input.cameras[input.views[v].camera].intrinsics();
     const auto width = static_cast<float>(intrinsics.width), height = static_cast<float>(intrinsics.height);
-    forEachSighting(input, tracks, state, v, 0, [&](auto k, const auto&, const Eigen::Vector2d& pixel) {
-      const Eigen::Vector2f at = pixel.cast<float>();
+    forEachSight(input, tracks, state, v, [&](auto k, const auto&, const auto& projected) {
+      const Eigen::Vector2f at = projected.pixel.template cast<float>();
       const float factor = exposures[v].brightening(at.x(), at.y(), width, height);
       for (Channel& channel : channels) channel.values[k] *= factor;
     });
   });
 }
 
-// Views that differ by no more than what the images get wrong together are equally bright; one that does is no
-// reason to move the others, nor they to keep it.
+// Leaves out gains that are no larger than what all images get wrong together. Each view is judged by itself as well:
+// one gain that stands out stays, and does not keep the small ones of the others.
 void shrinkGains(Eigen::VectorXd& log_gains) {
   constexpr double kSystematic = 0.005;
   const double size = std::sqrt(log_gains.squaredNorm() / std::max<double>(1, static_cast<double>(log_gains.size())));
@@ -93,20 +81,19 @@ void shrinkGains(Eigen::VectorXd& log_gains) {
 }  // namespace
 
 std::vector<Exposure> estimateExposures(const AlignmentInput& input, const Tracks& tracks, const PoseState& state,
-                                        double sigma, const AlignmentParams& params) {
+                                        double sigma, bool with_vignetting, const Workers& workers) {
   std::vector<Exposure> exposures(tracks.numViews());
   for (Exposure& exposure : exposures) exposure.gain = Eigen::ArrayXf::Ones(3);
-  Channels sampled = sampleChannels(input, tracks, state, sigma);
-  if (params.align_vignetting) {
+  Channels sampled = sampleChannels(input, tracks, state, sigma, workers);
+  if (with_vignetting) {
     const Channel& green = sampled.channels[1];
-    const auto vignetting = estimateVignetting(input, tracks, state, green.values, green.weights);
+    const auto vignetting = estimateVignetting(input, tracks, state, green.values, green.weights, workers);
     for (std::size_t v = 0; v < exposures.size(); ++v) exposures[v].vignetting = vignetting[input.views[v].camera];
-    brighten(input, tracks, state, exposures, sampled.channels);
+    brighten(input, tracks, state, exposures, sampled.channels, workers);
   }
   for (Eigen::Index c = 0; c < 3; ++c) {
     const Channel& channel = sampled.channels[static_cast<std::size_t>(c)];
-    Eigen::VectorXd gains =
-        estimateLogGains(tracks, channel.values, channel.weights, params.max_gain, input.num_threads);
+    Eigen::VectorXd gains = estimateLogGains(tracks, channel.values, channel.weights, kMaxGain, workers);
     shrinkGains(gains);
     for (std::size_t v = 0; v < exposures.size(); ++v) {
       exposures[v].gain[c] = static_cast<float>(std::exp(gains[static_cast<Eigen::Index>(v)]));
@@ -117,27 +104,28 @@ std::vector<Exposure> estimateExposures(const AlignmentInput& input, const Track
 }
 
 std::vector<float> sharpnessWeights(const AlignmentInput& input, const Tracks& tracks, const PoseState& state,
-                                    const std::vector<Exposure>& exposures) {
+                                    const std::vector<Exposure>& exposures, const Workers& workers) {
   constexpr double kSigma = 0.7;  // px: less would measure noise
   constexpr float kMinEdge = 4;   // grey levels a px: weaker gradients are noise
   Channel channel{std::vector<float>(tracks.numObservations(), 0), std::vector<float>(tracks.numObservations(), 0)};
-  parallelFor(input.num_threads, tracks.numViews(), [&](std::size_t v) {
+  workers.forEach(tracks.numViews(), [&](std::size_t v) {
     if (tracks.offsets[v] == tracks.offsets[v + 1]) return;
     const auto mask = loadMask(input, v);
     const BlurredImage blurred = blurImage(*loadImage(input, v), mask.get(), kSigma);
     const float gain = exposures[v].gain.size() > 0 ? exposures[v].gain.mean() : 1.0F;
-    forEachSighting(input, tracks, state, v, 3 * kSigma, [&](auto k, const auto&, const Eigen::Vector2d& pixel) {
-      const GreySample sample = sampleGrey(blurred, pixel);
+    forEachSight(input, tracks, state, v, [&](auto k, const auto&, const auto& projected) {
+      if (tracks.sights[k].edge_distance < 3 * kSigma) return;
+      const GreySample sample = sampleGrey(blurred, projected.pixel);
       if (!sample.valid) return;
       channel.values[k] = std::max(0.1F, gain * sample.gradient.norm());
-      channel.weights[k] = tracks.sightings[k].weight;
+      channel.weights[k] = tracks.sights[k].weight;
     });
   });
   const std::vector<float> medians = pointMedians(tracks, channel.values, channel.weights);
   for (std::size_t k = 0; k < channel.weights.size(); ++k) {
-    if (medians[tracks.sightings[k].point] < kMinEdge) channel.weights[k] = 0;
+    if (medians[tracks.sights[k].point] < kMinEdge) channel.weights[k] = 0;
   }
-  const Eigen::VectorXd blur = estimateLogGains(tracks, channel.values, channel.weights, 10, input.num_threads);
+  const Eigen::VectorXd blur = estimateLogGains(tracks, channel.values, channel.weights, 10, workers);
   std::vector<float> weights(tracks.numViews(), 1);
   const float middle = median(std::vector<float>(blur.data(), blur.data() + blur.size()));
   for (std::size_t v = 0; v < weights.size(); ++v) {

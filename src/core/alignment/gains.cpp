@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "alignment/gains.hpp"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -13,9 +12,9 @@ namespace cloud_colorizer::alignment {
 namespace {
 
 constexpr int kRounds = 12;
-constexpr double kLogGainPrior = 0.3;    // of a view's log gain
-constexpr double kEvidenceShare = 0.02;  // neighbouring points are not independent
-constexpr float kMinScale = 1;           // grey levels
+constexpr double kLogGainPrior = 0.3;       // of a view's log gain
+constexpr double kIndependentShare = 0.02;  // of the points: neighbours say the same
+constexpr float kMinScale = 1;              // grey levels
 
 // Robust weights of residuals in grey levels against `centres` (log), times value^2: equations are in logarithms.
 void weigh(const Tracks& tracks, const std::vector<float>& values, const std::vector<float>& base,
@@ -24,7 +23,7 @@ void weigh(const Tracks& tracks, const std::vector<float>& values, const std::ve
   magnitudes.reserve(values.size());
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (!(base[k] > 0)) continue;
-    const std::uint32_t p = tracks.sightings[k].point;
+    const std::uint32_t p = tracks.sights[k].point;
     if (tracks.point_offsets[p + 1] - tracks.point_offsets[p] < 2) continue;
     residuals[k] = values[k] * (equations.values[k] - centres[p]);
     magnitudes.push_back(std::abs(residuals[k]));
@@ -36,17 +35,16 @@ void weigh(const Tracks& tracks, const std::vector<float>& values, const std::ve
   }
 }
 
-Eigen::VectorXd solveGains(const Tracks& tracks, const Equations<1>& equations, const Eigen::VectorXd& current,
-                           int num_threads) {
-  const NormalEquations normal = assemble(tracks, equations, num_threads);
+std::optional<Eigen::MatrixXd> solveGains(const Tracks& tracks, const Equations<1>& equations,
+                                          const Eigen::VectorXd& current, const Workers& workers) {
+  const NormalEquations normal = assemble(tracks, equations, workers);
   const auto size = static_cast<Eigen::Index>(tracks.numViews());
   Eigen::SparseMatrix<double> matrix(size, size);
   matrix.setFromTriplets(normal.lower.begin(), normal.lower.end());
-  matrix *= kEvidenceShare;
+  matrix *= kIndependentShare;
   const double stiffness = 1 / (kLogGainPrior * kLogGainPrior);
   for (Eigen::Index v = 0; v < size; ++v) matrix.coeffRef(v, v) += stiffness;
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(matrix);
-  return factor.solve(-kEvidenceShare * normal.gradient - stiffness * current);
+  return solveLower(matrix, -kIndependentShare * normal.gradient - stiffness * current);
 }
 
 // The mean brightness of what was seen stays what it was.
@@ -78,7 +76,7 @@ std::vector<float> pointMedians(const Tracks& tracks, const std::vector<float>& 
 }
 
 Eigen::VectorXd estimateLogGains(const Tracks& tracks, const std::vector<float>& values,
-                                 const std::vector<float>& weights, double max_gain, int num_threads) {
+                                 const std::vector<float>& weights, double max_gain, const Workers& workers) {
   Eigen::VectorXd gains = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(tracks.numViews()));
   if (tracks.numObservations() == 0) return gains;
   const std::size_t count = tracks.numObservations();
@@ -96,9 +94,10 @@ Eigen::VectorXd estimateLogGains(const Tracks& tracks, const std::vector<float>&
       centres.assign(means.data(), means.data() + means.size());
     }
     weigh(tracks, values, weights, centres, equations);
-    const Eigen::VectorXd step = solveGains(tracks, equations, gains, num_threads);
-    gains += step;
-    if (step.size() > 0 && step.cwiseAbs().maxCoeff() < 1e-5 && round > 3) break;
+    const auto step = solveGains(tracks, equations, gains, workers);
+    if (!step) break;
+    gains += *step;
+    if (step->size() > 0 && step->cwiseAbs().maxCoeff() < 1e-5 && round > 3) break;
   }
   centre(values, weights, tracks, gains);
   const double limit = std::log(max_gain);

@@ -6,15 +6,12 @@
 #include <cmath>
 #include <numeric>
 
-#include "alignment/gains.hpp"
-
 namespace cloud_colorizer::alignment {
 namespace {
 
 constexpr int kBins = 16;
-constexpr int kMinInBlock = 8;        // observations that make a local mean
-constexpr double kEvidenceShare = 1;  // on top of that of the observations themselves
-constexpr float kClipLevels = 40;     // grey levels from the local mean: beyond is an outlier
+constexpr int kMinInBlock = 8;     // observations that make a local mean
+constexpr float kClipLevels = 40;  // grey levels from the local mean: beyond is an outlier
 
 using Vector6f = Eigen::Matrix<float, 6, 1>;
 
@@ -30,27 +27,27 @@ struct BlockMean {
   int count = 0;
 };
 
-void relateView(const Tracks& tracks, const Samples& samples, const Eigen::VectorXf& ranks, std::size_t v,
+void relateView(const Tracks& tracks, const ViewEquations& seen, const Eigen::VectorXf& ranks, std::size_t v,
                 Relative& relative) {
-  const Equations<6>& all = samples.equations;
+  const Equations<6>& all = seen.equations;
   std::vector<BlockMean> means;
   for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) {
     if (!(all.weights[k] > 0)) continue;
-    if (samples.blocks[k] >= means.size()) means.resize(samples.blocks[k] + 1);
-    BlockMean& mean = means[samples.blocks[k]];
+    if (seen.blocks[k] >= means.size()) means.resize(seen.blocks[k] + 1);
+    BlockMean& mean = means[seen.blocks[k]];
     const float w = all.weights[k];
     mean.value += w * all.values[k];
-    mean.rank += w * ranks[tracks.sightings[k].point];
+    mean.rank += w * ranks[tracks.sights[k].point];
     mean.jacobian += w * all.jacobians[k];
     mean.weight += w;
     ++mean.count;
   }
   for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) {
     if (!(all.weights[k] > 0)) continue;
-    const BlockMean& mean = means[samples.blocks[k]];
+    const BlockMean& mean = means[seen.blocks[k]];
     if (mean.count < kMinInBlock) continue;
     relative.values[k] = std::clamp(all.values[k] - mean.value / mean.weight, -kClipLevels, kClipLevels);
-    relative.ranks[k] = ranks[tracks.sightings[k].point] - mean.rank / mean.weight;
+    relative.ranks[k] = ranks[tracks.sights[k].point] - mean.rank / mean.weight;
     relative.jacobians[k] = all.jacobians[k] - mean.jacobian / mean.weight;
     relative.weights[k] = all.weights[k];
   }
@@ -121,8 +118,8 @@ Eigen::VectorXf intensityRanks(const Eigen::VectorXf& intensity) {
   return ranks;
 }
 
-IntensityTerm intensityTerm(const Tracks& tracks, const Samples& samples, const Eigen::VectorXf& ranks, int num_threads,
-                            const PointGroups& groups) {
+IntensityTerm intensityTerm(const Tracks& tracks, const ViewEquations& seen, const Eigen::VectorXf& ranks,
+                            const Workers& workers, const PointGroups& groups) {
   const std::size_t count = tracks.numObservations(), num_views = tracks.numViews();
   IntensityTerm term;
   if (!groups.empty()) term.group_gradients.setZero(static_cast<Eigen::Index>(6 * num_views), kPointGroups);
@@ -130,15 +127,15 @@ IntensityTerm intensityTerm(const Tracks& tracks, const Samples& samples, const 
   term.gradients.assign(num_views, Twist::Zero());
   Relative relative{std::vector<float>(count, 0), std::vector<float>(count, 0), std::vector<float>(count, 0),
                     std::vector<Vector6f>(count, Vector6f::Zero())};
-  parallelFor(num_threads, num_views, [&](std::size_t v) { relateView(tracks, samples, ranks, v, relative); });
+  workers.forEach(num_views, [&](std::size_t v) { relateView(tracks, seen, ranks, v, relative); });
   const BinMeans bins = explain(relative);
   if (!(bins.total_sum > 0)) return term;
   term.explained = bins.explained_sum / bins.total_sum;
   const double unexplained = std::max(1 - term.explained, 1e-3);
   const double noise2 = std::max(1.0, unexplained * bins.total_sum / bins.weight);  // grey levels squared
-  term.cost = 0.5 * kEvidenceShare * bins.weight * std::log(unexplained);
-  const double factor = kEvidenceShare / noise2, explained = term.explained;
-  parallelFor(num_threads, num_views, [&](std::size_t v) {
+  term.cost = 0.5 * bins.weight * std::log(unexplained);
+  const double factor = 1 / noise2, explained = term.explained;
+  workers.forEach(num_views, [&](std::size_t v) {
     for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) {
       const double w = factor * relative.weights[k];
       if (!(w > 0)) continue;
@@ -147,7 +144,7 @@ IntensityTerm intensityTerm(const Tracks& tracks, const Samples& samples, const 
       term.gradients[v] += pull;
       if (!groups.empty()) {
         const auto row = static_cast<Eigen::Index>(6 * v),
-                   group = static_cast<Eigen::Index>(groups[tracks.sightings[k].point]);
+                   group = static_cast<Eigen::Index>(groups[tracks.sights[k].point]);
         term.group_gradients.col(group).segment<6>(row) += pull;
       }
       // Only the explained part of the grey level moves with the intensity.

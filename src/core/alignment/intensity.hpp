@@ -14,8 +14,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "alignment/motion.hpp"
 #include "alignment/normal_equations.hpp"
-#include "alignment/poses.hpp"
 
 namespace cloud_colorizer::alignment {
 
@@ -23,7 +23,7 @@ namespace cloud_colorizer::alignment {
 Eigen::VectorXf intensityRanks(const Eigen::VectorXf& intensity);
 
 /// Observations of all views at the present poses.
-struct Samples {
+struct ViewEquations {
   Equations<6> equations;             ///< weights without robustness
   std::vector<std::uint32_t> blocks;  ///< block of the image that an observation lies in; local means are taken there
 };
@@ -37,7 +37,7 @@ struct IntensityTerm {
   double explained = 0;  ///< share of the grey level's variance that the intensity explains, 0 to 1
 };
 
-IntensityTerm intensityTerm(const Tracks& tracks, const Samples& samples, const Eigen::VectorXf& ranks, int num_threads,
-                            const PointGroups& groups = {});
+IntensityTerm intensityTerm(const Tracks& tracks, const ViewEquations& samples, const Eigen::VectorXf& ranks,
+                            const Workers& workers, const PointGroups& groups = {});
 
 }  // namespace cloud_colorizer::alignment

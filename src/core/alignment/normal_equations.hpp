@@ -9,8 +9,8 @@
 /// together, in a few steps, whatever the length of the chain between them.
 #pragma once
 
-#include <Eigen/Cholesky>
-#include <Eigen/SparseCore>
+#include <Eigen/SparseCholesky>
+#include <optional>
 #include <vector>
 
 #include "alignment/tracks.hpp"
@@ -50,23 +50,22 @@ struct NormalEquations {
 
 /// O(sum over points of the square of their views). Each view's row is one task; the result does not depend on threads.
 template <int D>
-NormalEquations assemble(const Tracks& tracks, const Equations<D>& equations, int num_threads) {
-  using Block = Eigen::Matrix<double, D, D>;
-  using BlockF = Eigen::Matrix<float, D, D>;
+NormalEquations assemble(const Tracks& tracks, const Equations<D>& equations, const Workers& workers) {
+  using Square = Eigen::Matrix<double, D, D>;
   const std::size_t num_views = tracks.numViews();
   const Eigen::VectorXd means = pointMeans(tracks, equations);
   NormalEquations result;
   result.gradient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(num_views) * D);
   std::vector<std::vector<Eigen::Triplet<double>>> rows(num_views);
-  parallelFor(num_threads, num_views, [&](std::size_t v) {
-    std::vector<Block, Eigen::aligned_allocator<Block>> blocks(v + 1, Block::Zero());
+  workers.forEach(num_views, [&](std::size_t v) {
+    std::vector<Square, Eigen::aligned_allocator<Square>> blocks(v + 1, Square::Zero());
     std::vector<std::uint8_t> used(v + 1, 0);
     Eigen::Matrix<double, D, 1> gradient = Eigen::Matrix<double, D, 1>::Zero();
     used[v] = 1;
     for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) {
       const float w = equations.weights[k];
       if (!(w > 0)) continue;
-      const std::uint32_t p = tracks.sightings[k].point;
+      const std::uint32_t p = tracks.sights[k].point;
       const Eigen::Matrix<float, D, 1>& jacobian = equations.jacobians[k];
       const double residual = equations.values[k] - means[p];
       gradient += (w * residual) * jacobian.template cast<double>();
@@ -80,7 +79,7 @@ NormalEquations assemble(const Tracks& tracks, const Equations<D>& equations, in
         if (u > v) break;
         const float factor = (other == k ? w : 0) - w * equations.weights[other] / total;
         if (factor == 0) continue;
-        const BlockF block = factor * jacobian * equations.jacobians[other].transpose();
+        const Eigen::Matrix<float, D, D> block = factor * jacobian * equations.jacobians[other].transpose();
         blocks[u] += block.template cast<double>();
         used[u] = 1;
       }
@@ -98,6 +97,15 @@ NormalEquations assemble(const Tracks& tracks, const Equations<D>& equations, in
   });
   for (const auto& row : rows) result.lower.insert(result.lower.end(), row.begin(), row.end());
   return result;
+}
+
+/// X of A X = rhs, A by its lower triangle; nothing where A is singular or anything is not finite.
+inline std::optional<Eigen::MatrixXd> solveLower(const Eigen::SparseMatrix<double>& lower, const Eigen::MatrixXd& rhs) {
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(lower);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  Eigen::MatrixXd solution = factor.solve(rhs);
+  if (!solution.allFinite()) return std::nullopt;
+  return solution;
 }
 
 }  // namespace cloud_colorizer::alignment

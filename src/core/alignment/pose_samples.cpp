@@ -7,11 +7,11 @@
 namespace cloud_colorizer::alignment {
 namespace {
 
-constexpr double kEdgeMargin = 1.5;     // sigmas of the blur to keep away from depth edges
-constexpr double kCellSigmas = 3.5;     // a square of this side is one independent observation
-constexpr double kMinCell = 8;          // px
-constexpr float kEvidenceShare = 0.3F;  // what images get wrong together (shading, geometry) is no noise
-constexpr double kBlockSigmas = 10;     // side of the blocks that local means are taken in
+constexpr double kEdgeMargin = 1.5;  // sigmas of the blur to keep away from depth edges
+constexpr double kCellSigmas = 3.5;  // a square of this side is one independent observation
+constexpr double kMinCell = 8;       // px
+constexpr float kNoiseShare = 0.3F;  // of the residuals; the rest is what images get wrong together
+constexpr double kBlockSigmas = 10;  // side of the blocks that local means are taken in
 constexpr double kBlocksAcross = 16;
 
 // The observations of one view, as they enter the equations.
@@ -24,27 +24,27 @@ class ViewSampler {
         translation_(correction.tail<3>()),
         image_(data.images->get(view)) {}
 
-  struct Sample {
+  struct Row {
     float value = 0, weight = 0;
     Eigen::Matrix<float, 6, 1> jacobian = Eigen::Matrix<float, 6, 1>::Zero();
     Eigen::Vector2d pixel{0, 0};
   };
 
-  Sample operator()(const Sighting& sighting) const {
-    Sample sample;
-    if (sighting.edge_distance < kEdgeMargin * data_.sigma) return sample;
-    const Eigen::Vector3d local = camera_from_map_ * data_.input->points.col(sighting.point).cast<double>();
+  Row operator()(const Sight& sight) const {
+    Row row;
+    if (sight.edge_distance < kEdgeMargin * data_.sigma) return row;
+    const Eigen::Vector3d local = camera_from_map_ * data_.input->points.col(sight.point).cast<double>();
     const auto projected = camera_.linearize(local);
-    if (!projected) return sample;
+    if (!projected) return row;
     const GreySample grey = sampleGrey(*image_, projected->pixel);
-    if (!grey.valid) return sample;
+    if (!grey.valid) return row;
     const Eigen::RowVector3d by_point = grey.gradient.cast<double>().transpose() * projected->jacobian;
     const Eigen::Vector3d lever = local - translation_;  // rotations turn about the uncorrected centre
-    sample.value = grey.value;
-    sample.weight = sighting.weight;
-    sample.pixel = projected->pixel;
-    sample.jacobian << lever.cross(by_point.transpose()).cast<float>(), by_point.transpose().cast<float>();
-    return sample;
+    row.value = grey.value;
+    row.weight = sight.weight;
+    row.pixel = projected->pixel;
+    row.jacobian << lever.cross(by_point.transpose()).cast<float>(), by_point.transpose().cast<float>();
+    return row;
   }
 
  private:
@@ -88,15 +88,15 @@ std::uint32_t blockOf(const Eigen::Vector2d& pixel, double side, int width) {
 
 }  // namespace
 
-Samples sampleAll(const PoseData& data, const PoseState& state, int num_threads) {
+ViewEquations viewEquations(const PoseData& data, const PoseState& state) {
   const Tracks& tracks = *data.tracks;
   const std::size_t count = tracks.numObservations();
-  Samples samples;
-  samples.blocks.assign(count, 0);
+  ViewEquations seen;
+  seen.blocks.assign(count, 0);
   Equations<6>& equations =
-      samples.equations = {std::vector<float>(count, 0), std::vector<float>(count, 0),
-                           std::vector<Eigen::Matrix<float, 6, 1>>(count, Eigen::Matrix<float, 6, 1>::Zero())};
-  parallelFor(num_threads, tracks.numViews(), [&](std::size_t v) {
+      seen.equations = {std::vector<float>(count, 0), std::vector<float>(count, 0),
+                        std::vector<Eigen::Matrix<float, 6, 1>>(count, Eigen::Matrix<float, 6, 1>::Zero())};
+  data.workers->forEach(tracks.numViews(), [&](std::size_t v) {
     if (tracks.offsets[v] == tracks.offsets[v + 1]) return;
     const ViewSampler sampler(data, v, state.views[v]);
     const auto gain = static_cast<float>(std::exp((*data.log_gains)[static_cast<Eigen::Index>(v)]));
@@ -104,18 +104,18 @@ Samples sampleAll(const PoseData& data, const PoseState& state, int num_threads)
     const double side = std::max(kBlockSigmas * data.sigma, intrinsics.width / kBlocksAcross);
     CellCounter cells(intrinsics, data.sigma);
     for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) {
-      const auto sample = sampler(tracks.sightings[k]);
-      if (!(sample.weight > 0)) continue;
-      equations.values[k] = gain * sample.value;
-      equations.weights[k] = sample.weight;
-      equations.jacobians[k] = gain * sample.jacobian;
-      samples.blocks[k] = blockOf(sample.pixel, side, intrinsics.width);
-      cells.add(sample.pixel);
+      const auto row = sampler(tracks.sights[k]);
+      if (!(row.weight > 0)) continue;
+      equations.values[k] = gain * row.value;
+      equations.weights[k] = row.weight;
+      equations.jacobians[k] = gain * row.jacobian;
+      seen.blocks[k] = blockOf(row.pixel, side, intrinsics.width);
+      cells.add(row.pixel);
     }
-    const float share = cells.share() * kEvidenceShare;
+    const float share = cells.share() * kNoiseShare;
     for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) equations.weights[k] *= share;
   });
-  return samples;
+  return seen;
 }
 
 }  // namespace cloud_colorizer::alignment

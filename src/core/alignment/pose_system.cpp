@@ -41,15 +41,15 @@ float medianMagnitude(const std::vector<float>& residuals) {
 
 }  // namespace
 
-Evaluation evaluate(const PoseData& data, const PoseState& state, const Evaluation& like, int num_threads,
-                    const PointGroups& groups) {
+PoseEquations poseEquations(const PoseData& data, const PoseState& state, const PoseEquations& like,
+                            const PointGroups& groups) {
   const Tracks& tracks = *data.tracks;
   const float scale = like.scale;
   const double weight = like.weight;
-  Evaluation result;
-  Samples samples = sampleAll(data, state, num_threads);
-  if (data.ranks) result.intensity = intensityTerm(tracks, samples, *data.ranks, num_threads, groups);
-  Equations<6>& equations = result.equations = std::move(samples.equations);
+  PoseEquations result;
+  ViewEquations seen = viewEquations(data, state);
+  if (data.ranks) result.intensity = intensityTerm(tracks, seen, *data.ranks, *data.workers, groups);
+  Equations<6>& equations = result.equations = std::move(seen.equations);
   const std::vector<float> medians = pointMedians(tracks, equations.values, equations.weights);
   std::vector<float> residuals = residualsTo(tracks, equations, medians);
   result.residual = medianMagnitude(residuals);
@@ -65,7 +65,7 @@ Evaluation evaluate(const PoseData& data, const PoseState& state, const Evaluati
   double cost = 0;
   for (std::size_t k = 0; k < base.size(); ++k) {
     if (!(equations.weights[k] > 0)) continue;
-    const double x = (equations.values[k] - means[tracks.sightings[k].point]) / (c * result.scale);
+    const double x = (equations.values[k] - means[tracks.sights[k].point]) / (c * result.scale);
     cost += 0.5 * base[k] * c * c * std::log1p(x * x);
     result.weight += base[k];
   }
@@ -74,18 +74,17 @@ Evaluation evaluate(const PoseData& data, const PoseState& state, const Evaluati
   return result;
 }
 
-System assembleSystem(const PoseData& data, const Evaluation& evaluation, const PriorTerms& terms,
-                      const PoseState& state, int num_threads) {
-  NormalEquations normal = assemble(*data.tracks, evaluation.equations, num_threads);
-  System system;
+PoseSystem assemblePoseSystem(const PoseData& data, const PoseEquations& equations, const PriorTerms& terms,
+                              const PoseState& state) {
+  NormalEquations normal = assemble(*data.tracks, equations.equations, *data.workers);
+  PoseSystem system;
   system.gradient = Eigen::VectorXd::Zero(terms.size());
   system.gradient.head(normal.gradient.size()) = normal.gradient;
-  for (std::size_t v = 0; v < evaluation.intensity.gradients.size(); ++v) {
+  for (std::size_t v = 0; v < equations.intensity.gradients.size(); ++v) {
     const auto base = static_cast<int>(6 * v);
-    system.gradient.segment<6>(base) += evaluation.intensity.gradients[v];
+    system.gradient.segment<6>(base) += equations.intensity.gradients[v];
     for (int r = 0; r < 6; ++r) {
-      for (int c = 0; c <= r; ++c)
-        normal.lower.emplace_back(base + r, base + c, evaluation.intensity.hessians[v](r, c));
+      for (int c = 0; c <= r; ++c) normal.lower.emplace_back(base + r, base + c, equations.intensity.hessians[v](r, c));
     }
   }
   system.data_diagonal = Eigen::VectorXd::Zero(terms.size());

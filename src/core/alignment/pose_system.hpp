@@ -10,25 +10,25 @@
 #include <vector>
 
 #include "alignment/intensity.hpp"
-#include "alignment/poses.hpp"
+#include "alignment/refine_poses.hpp"
 
 namespace cloud_colorizer::alignment {
 
 /// What all views see at a state, without robustness.
-Samples sampleAll(const PoseData& data, const PoseState& state, int num_threads);
+ViewEquations viewEquations(const PoseData& data, const PoseState& state);
 
-struct Evaluation {
+struct PoseEquations {
   Equations<6> equations;  ///< robust weights
-  double cost = 0;         ///< mean a unit of weight, times the weight of the first evaluation; without priors
+  double cost = 0;         ///< mean a unit of weight, times the weight of the first ones; without priors
   double weight = 0;
   float scale = 0, residual = 0;  ///< grey levels
   IntensityTerm intensity;
 };
 
-/// `like`: an evaluation whose scales are kept, so that the costs can be compared; a default one for none. `groups`:
+/// `like`: equations whose scales are kept, so that the costs can be compared; a default one for none. `groups`:
 /// see IntensityTerm.
-Evaluation evaluate(const PoseData& data, const PoseState& state, const Evaluation& like, int num_threads,
-                    const PointGroups& groups = {});
+PoseEquations poseEquations(const PoseData& data, const PoseState& state, const PoseEquations& like,
+                            const PointGroups& groups = {});
 
 /// Unknowns: the views' corrections, then the cameras' with their time offsets.
 class PriorTerms {
@@ -123,12 +123,12 @@ class PriorTerms {
   const PosePriors& priors_;
 };
 
-struct System {
+struct PoseSystem {
   Eigen::SparseMatrix<double> lower;
   Eigen::VectorXd data_diagonal;  ///< of the data alone: damping must not act on stiff priors
   Eigen::VectorXd gradient;
 };
-System assembleSystem(const PoseData& data, const Evaluation& evaluation, const PriorTerms& terms,
-                      const PoseState& state, int num_threads);
+PoseSystem assemblePoseSystem(const PoseData& data, const PoseEquations& equations, const PriorTerms& terms,
+                              const PoseState& state);
 
 }  // namespace cloud_colorizer::alignment

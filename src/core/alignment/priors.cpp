@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "alignment/priors.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
 
-#include "alignment/poses.hpp"
 #include "base/robust.hpp"
 
 namespace cloud_colorizer::alignment {
@@ -13,11 +14,12 @@ namespace {
 
 constexpr double kStiff = 1e-4;  // of a prior: a correction that is not asked for
 
-Twist sigmas(double rotation_deg, double translation, double depth) {
+// A translation moves a point at this depth as many pixels as the rotation does.
+Twist sigmas(double rotation_deg, double depth) {
   const double rotation = rotation_deg * M_PI / 180;
   Twist twist;
   twist.head<3>().setConstant(rotation);
-  twist.tail<3>().setConstant(translation > 0 ? translation : rotation * depth);
+  twist.tail<3>().setConstant(rotation * depth);
   return twist;
 }
 
@@ -35,25 +37,6 @@ std::vector<std::vector<std::size_t>> byCameraAndTime(const std::vector<View>& v
 }
 
 }  // namespace
-
-Eigen::Isometry3d motion(const Twist& twist) {
-  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
-  const double angle = twist.head<3>().norm();
-  if (angle > 0) result.linear() = Eigen::AngleAxisd(angle, twist.head<3>() / angle).toRotationMatrix();
-  result.translation() = twist.tail<3>();
-  return result;
-}
-
-Twist twistOf(const Eigen::Isometry3d& motion) {
-  const Eigen::AngleAxisd rotation(motion.linear());
-  Twist twist;
-  twist << rotation.angle() * rotation.axis(), motion.translation();
-  return twist;
-}
-
-Eigen::Isometry3d correctedPose(const View& view, const Twist& correction) {
-  return view.map_from_camera * motion(correction).inverse();
-}
 
 std::vector<Twist> viewVelocities(const std::vector<View>& views) {
   std::vector<Twist> velocities(views.size(), Twist::Zero());
@@ -86,12 +69,12 @@ PosePriors makePriors(const AlignmentInput& input, const AlignmentParams& params
   const double mean = std::max(1e-9, total / std::max(1.0, std::accumulate(counts.begin(), counts.end(), 0.0)));
   for (std::size_t v = 0; v < input.views.size(); ++v) {
     const double depth = depths[v] > 0 ? depths[v] : mean;
-    priors.view_sigmas.push_back(sigmas(params.pose_rotation_prior, params.pose_translation_prior, depth));
+    priors.view_sigmas.push_back(sigmas(params.pose_rotation_prior, depth));
     if (params.align_poses != AlignPoses::kViews) priors.view_sigmas.back() *= kStiff;
   }
   for (std::size_t c = 0; c < input.cameras.size(); ++c) {
     const double depth = counts[c] > 0 ? camera_depths[c] / counts[c] : mean;
-    priors.camera_sigmas.push_back(sigmas(params.extrinsic_rotation_prior, params.extrinsic_translation_prior, depth));
+    priors.camera_sigmas.push_back(sigmas(params.extrinsic_rotation_prior, depth));
     priors.time_sigmas.push_back(params.time_offset_prior * (params.align_time_offset ? 1 : kStiff));
   }
   priors.velocities = viewVelocities(input.views);

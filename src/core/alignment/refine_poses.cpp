@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/SparseCholesky>
+#include "alignment/refine_poses.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include "alignment/pose_system.hpp"
-#include "alignment/poses.hpp"
 
 namespace cloud_colorizer::alignment {
 namespace {
@@ -24,44 +24,45 @@ PoseState stepped(const PoseState& state, const Eigen::VectorXd& step, const Pri
   return next;
 }
 
-double largestStep(const Eigen::VectorXd& step, const PosePriors& priors) {
+double largestStep(const Eigen::VectorXd& step, const std::vector<View>& views, const PosePriors& priors) {
   double largest = 0;
-  for (std::size_t v = 0; v < priors.view_sigmas.size(); ++v) {
+  for (std::size_t v = 0; v < views.size(); ++v) {
     const Twist scaled = step.segment<6>(static_cast<Eigen::Index>(6 * v)).cwiseQuotient(priors.camera_sigmas[0]);
     largest = std::max(largest, scaled.cwiseAbs().maxCoeff());
   }
   return largest;
 }
 
-std::vector<double> timeStddevs(const System& system, const PriorTerms& terms, std::size_t num_cameras) {
-  std::vector<double> stddevs;
-  const Eigen::SimplicialLDLT<Matrix, Eigen::Lower> factor(system.lower);
-  for (std::size_t c = 0; c < num_cameras; ++c) {
-    const Eigen::Index i = terms.cameraBase(c) + 6;
-    const Eigen::VectorXd column = factor.solve(Eigen::VectorXd::Unit(terms.size(), i));
-    stddevs.push_back(std::sqrt(std::max(0.0, column[i])));
+std::vector<double> timeStddevs(const PoseSystem& system, const PriorTerms& terms, std::size_t num_cameras) {
+  Eigen::MatrixXd units = Eigen::MatrixXd::Zero(terms.size(), static_cast<Eigen::Index>(num_cameras));
+  const auto row = [&](std::size_t c) { return terms.cameraBase(c) + 6; };
+  for (std::size_t c = 0; c < num_cameras; ++c) units(row(c), static_cast<Eigen::Index>(c)) = 1;
+  const auto columns = solveLower(system.lower, units);
+  std::vector<double> stddevs(num_cameras, INFINITY);
+  for (std::size_t c = 0; columns && c < num_cameras; ++c) {
+    stddevs[c] = std::sqrt(std::max(0.0, (*columns)(row(c), static_cast<Eigen::Index>(c))));
   }
   return stddevs;
 }
 
 }  // namespace
 
-PoseRounds refinePoses(const PoseData& data, const PosePriors& priors, int rounds, int num_threads, PoseState& state) {
+PoseRounds refinePoses(const PoseData& data, const PosePriors& priors, PoseState& state) {
+  constexpr int kRounds = 4;            // the next, finer blur goes on from there
   constexpr double kSmallStep = 0.004;  // of a prior's sigma
   const PriorTerms terms(data.input->views, priors);
-  Evaluation current = evaluate(data, state, {}, num_threads);
+  PoseEquations current = poseEquations(data, state, {});
   double cost = current.cost + terms.cost(state), damping = 1e-4;
   PoseRounds result;
   result.residual_first = current.residual;
-  System system = assembleSystem(data, current, terms, state, num_threads);
-  for (int round = 0; round < rounds; ++round) {
+  PoseSystem system = assemblePoseSystem(data, current, terms, state);
+  for (int round = 0; round < kRounds; ++round) {
     Matrix damped = system.lower;
     for (Eigen::Index i = 0; i < damped.rows(); ++i) damped.coeffRef(i, i) += damping * system.data_diagonal[i];
-    const Eigen::SimplicialLDLT<Matrix, Eigen::Lower> factor(damped);
-    const Eigen::VectorXd step = factor.solve(-system.gradient);
-    if (factor.info() != Eigen::Success || !step.allFinite()) break;
-    const PoseState next = stepped(state, step, terms);
-    Evaluation trial = evaluate(data, next, current, num_threads);
+    const auto step = solveLower(damped, -system.gradient);
+    if (!step) break;
+    const PoseState next = stepped(state, *step, terms);
+    PoseEquations trial = poseEquations(data, next, current);
     const double trial_cost = trial.cost + terms.cost(next);
     if (!(trial_cost < cost)) {
       damping = std::max(1e-2, 10 * damping);
@@ -73,8 +74,8 @@ PoseRounds refinePoses(const PoseData& data, const PosePriors& priors, int round
     cost = trial_cost;
     damping /= 5;
     ++result.accepted;
-    system = assembleSystem(data, current, terms, state, num_threads);
-    if (largestStep(step, priors) < kSmallStep) break;
+    system = assemblePoseSystem(data, current, terms, state);
+    if (largestStep(*step, data.input->views, priors) < kSmallStep) break;
   }
   result.residual_last = current.residual;
   result.explained = current.intensity.explained;
@@ -82,19 +83,19 @@ PoseRounds refinePoses(const PoseData& data, const PosePriors& priors, int round
   return result;
 }
 
-GreyValues greyValues(const PoseData& data, const PoseState& state, int num_threads) {
-  Equations<6> equations = sampleAll(data, state, num_threads).equations;
+GreyValues greyValues(const PoseData& data, const PoseState& state) {
+  Equations<6> equations = viewEquations(data, state).equations;
   return {std::move(equations.values), std::move(equations.weights)};
 }
 
-StateCost stateCost(const PoseData& data, const PoseState& state, const StateCost& like, int num_threads) {
-  Evaluation scales;
+StateCost stateCost(const PoseData& data, const PoseState& state, const StateCost& like) {
+  PoseEquations scales;
   scales.scale = like.scale;
-  const Evaluation evaluation = evaluate(data, state, scales, num_threads);
-  return {evaluation.weight > 0 ? evaluation.cost / evaluation.weight : 0, evaluation.scale};
+  const PoseEquations equations = poseEquations(data, state, scales);
+  return {equations.weight > 0 ? equations.cost / equations.weight : 0, equations.scale};
 }
 
-double searchTimeOffset(const PoseData& data, const PosePriors& priors, const PoseState& state, int num_threads) {
+double searchTimeOffset(const PoseData& data, const PosePriors& priors, const PoseState& state) {
   constexpr int kSteps = 12;  // to either side
   double fastest = 0, prior = 0;
   for (const Twist& velocity : priors.velocities) fastest = std::max(fastest, velocity.norm());
@@ -105,7 +106,7 @@ double searchTimeOffset(const PoseData& data, const PosePriors& priors, const Po
   const auto costAt = [&](double offset) {
     PoseState moved = state;
     for (std::size_t v = 0; v < moved.views.size(); ++v) moved.views[v] += offset * priors.velocities[v];
-    const StateCost cost = stateCost(data, moved, like, num_threads);
+    const StateCost cost = stateCost(data, moved, like);
     if (like.scale <= 0) like = cost;
     return cost.cost;
   };

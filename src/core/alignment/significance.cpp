@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "alignment/significance.hpp"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -28,7 +27,7 @@ double blockSide(const PoseData& data, const PoseState& state) {
     const Eigen::Isometry3d camera_from_map = correctedPose(data.input->views[v], state.views[v]).inverse();
     const double focal = data.input->cameras[data.input->views[v].camera].intrinsics().fx;
     for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; k += 97) {
-      const Eigen::Vector3d point = data.input->points.col(tracks.sightings[k].point).cast<double>();
+      const Eigen::Vector3d point = data.input->points.col(tracks.sights[k].point).cast<double>();
       sizes.push_back(static_cast<float>((camera_from_map * point).z() / focal));
     }
   }
@@ -36,22 +35,22 @@ double blockSide(const PoseData& data, const PoseState& state) {
 }
 
 // Of each group on all unknowns: one column a group.
-Eigen::MatrixXd groupPulls(const PoseData& data, const Evaluation& evaluation, const PointGroups& groups,
-                           Eigen::Index size, int num_threads) {
+Eigen::MatrixXd groupPulls(const PoseData& data, const PoseEquations& equations, const PointGroups& groups,
+                           Eigen::Index size) {
   const Tracks& tracks = *data.tracks;
   Eigen::MatrixXd pulls = Eigen::MatrixXd::Zero(size, kPointGroups);
-  const Eigen::VectorXd means = pointMeans(tracks, evaluation.equations);
-  parallelFor(num_threads, tracks.numViews(), [&](std::size_t v) {
+  const Eigen::VectorXd means = pointMeans(tracks, equations.equations);
+  data.workers->forEach(tracks.numViews(), [&](std::size_t v) {
     const auto row = static_cast<Eigen::Index>(6 * v);
     for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) {
-      const double w = evaluation.equations.weights[k];
+      const double w = equations.equations.weights[k];
       if (!(w > 0)) continue;
-      const std::uint32_t p = tracks.sightings[k].point;
+      const std::uint32_t p = tracks.sights[k].point;
       pulls.col(groups[p]).segment<6>(row) +=
-          w * (evaluation.equations.values[k] - means[p]) * evaluation.equations.jacobians[k].cast<double>();
+          w * (equations.equations.values[k] - means[p]) * equations.equations.jacobians[k].cast<double>();
     }
   });
-  const Eigen::MatrixXd& ties = evaluation.intensity.group_gradients;
+  const Eigen::MatrixXd& ties = equations.intensity.group_gradients;
   if (ties.size() > 0) pulls.topRows(ties.rows()) += ties;
   return pulls;
 }
@@ -59,24 +58,19 @@ Eigen::MatrixXd groupPulls(const PoseData& data, const Evaluation& evaluation, c
 // Mean of J'J, J = d pixel / d correction, over some of a view's points: x'Mx is the mean square shift, px^2.
 Matrix6 shiftMatrix(const PoseData& data, const PoseState& state, std::size_t v) {
   constexpr std::size_t kPoints = 300;
-  const Tracks& tracks = *data.tracks;
-  const Camera& camera = data.input->cameras[data.input->views[v].camera];
-  const Eigen::Isometry3d camera_from_map = correctedPose(data.input->views[v], state.views[v]).inverse();
   Matrix6 sum = Matrix6::Zero();
   double count = 0;
-  const std::size_t stride = 1 + (tracks.offsets[v + 1] - tracks.offsets[v]) / kPoints;
-  for (std::size_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; k += stride) {
-    const Eigen::Vector3d local = camera_from_map * data.input->points.col(tracks.sightings[k].point).cast<double>();
-    const auto projected = camera.linearize(local);
-    if (!projected) continue;
+  const std::size_t stride = 1 + (data.tracks->offsets[v + 1] - data.tracks->offsets[v]) / kPoints;
+  const auto add = [&](std::size_t, const Eigen::Vector3d& local, const auto& projected) {
     Eigen::Matrix<double, 3, 6> by_twist;
     by_twist << 0, local.z(), -local.y(), 1, 0, 0,  //
         -local.z(), 0, local.x(), 0, 1, 0,          //
         local.y(), -local.x(), 0, 0, 0, 1;
-    const Eigen::Matrix<double, 2, 6> jacobian = projected->jacobian * by_twist;
+    const Eigen::Matrix<double, 2, 6> jacobian = projected.jacobian * by_twist;
     sum += jacobian.transpose() * jacobian;
     ++count;
-  }
+  };
+  forEachSight(*data.input, *data.tracks, state, v, add, stride);
   return count > 0 ? Matrix6(sum / count) : sum;
 }
 
@@ -101,6 +95,13 @@ Shrinkage makeShrinkage(double squares, double squared_uncertainty, double count
   shrinkage.uncertainty = std::hypot(std::sqrt(squared_uncertainty / std::max(1.0, count)), kSystematic);
   shrinkage.factor = shrinkFactor(shrinkage.pixels, shrinkage.uncertainty);
   return shrinkage;
+}
+
+// Of what no uncertainty can be told nothing is kept.
+PoseShrinkage dropAll(PoseState& state) {
+  const std::vector<Shrinkage> none(state.cameras.size(), Shrinkage{0, INFINITY, 0});
+  for (auto* twists : {&state.views, &state.cameras}) std::fill(twists->begin(), twists->end(), Twist::Zero());
+  return {none, none};
 }
 
 }  // namespace
@@ -131,15 +132,15 @@ PointGroups groupPoints(const AlignmentInput& input, double block) {
   return groups;
 }
 
-PoseShrinkage shrinkPoses(const PoseData& data, const PosePriors& priors, int num_threads, PoseState& state) {
+PoseShrinkage shrinkPoses(const PoseData& data, const PosePriors& priors, PoseState& state) {
   const std::vector<View>& views = data.input->views;
   const PriorTerms terms(views, priors);
   const PointGroups groups = groupPoints(*data.input, blockSide(data, state));
-  const Evaluation evaluation = evaluate(data, state, {}, num_threads, groups);
-  const System system = assembleSystem(data, evaluation, terms, state, num_threads);
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(system.lower);
-  const Eigen::MatrixXd steps = factor.solve(groupPulls(data, evaluation, groups, terms.size(), num_threads));
-
+  const PoseEquations equations = poseEquations(data, state, {}, groups);
+  const PoseSystem system = assemblePoseSystem(data, equations, terms, state);
+  const auto solved = solveLower(system.lower, groupPulls(data, equations, groups, terms.size()));
+  if (!solved) return dropAll(state);
+  const Eigen::MatrixXd& steps = *solved;
   const std::size_t num_cameras = state.cameras.size();
   Matrices6 shifts(num_cameras, Matrix6::Zero());
   std::vector<double> counts(num_cameras, 0), squares(num_cameras, 0), uncertain(num_cameras, 0);

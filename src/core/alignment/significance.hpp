@@ -3,17 +3,18 @@
 
 /// Significance: a correction that is no larger than its own uncertainty is worse than none.
 ///
-/// The uncertainty is taken from the data and not from the model, which knows nothing of shading, wrong surfaces and
-/// what else the images get wrong together: the map is cut into blocks, and the scatter of the blocks' pulls g_b on
-/// the corrections gives their covariance, H^-1 (sum_b g_b g_b') H^-1 (the sandwich estimator with clusters). From it
-/// each group of corrections is shrunk, in the way of James and Stein but firmer, by max(0, 1 - (2 u^2 / s^2)^2), with
-/// the group's mean square s^2 and that of its uncertainty u^2, both as shifts in the image; u has a floor for what the
-/// whole map gets wrong together. Large corrections stay as they are.
+/// The uncertainty is measured, because a model of the noise knows nothing of shading and of wrong surfaces. The map is
+/// cut into blocks. Each block b pulls at the corrections with the gradient g_b of its own observations, and how much
+/// the pulls differ gives the covariance H^-1 (sum_b g_b g_b') H^-1: the sandwich estimator with clusters.
+/// All corrections of one kind are then multiplied by one factor, max(0, 1 - (2 u^2 / s^2)^2): s is their size and u
+/// their uncertainty, both a root mean square in pixels of the image. u is never less than a constant, for errors that
+/// all blocks share. The idea is James' and Stein's; the factor is nearer to "all or nothing" than theirs, and 1 for
+/// large corrections.
 #pragma once
 
 #include <vector>
 
-#include "alignment/poses.hpp"
+#include "alignment/refine_poses.hpp"
 
 namespace cloud_colorizer::alignment {
 
@@ -34,7 +35,7 @@ double shrinkFactor(double size, double uncertainty);
 double shrinkFactor(double group_size, double own_size, double uncertainty);
 
 /// Shrinks what is in `state`, where refinePoses() has converged with the same data and priors.
-PoseShrinkage shrinkPoses(const PoseData& data, const PosePriors& priors, int num_threads, PoseState& state);
+PoseShrinkage shrinkPoses(const PoseData& data, const PosePriors& priors, PoseState& state);
 
 /// Groups for the points' blocks, a number for each point in [0, kPointGroups).
 PointGroups groupPoints(const AlignmentInput& input, double block);

@@ -38,13 +38,12 @@ float incidence(const Eigen::Vector3f& normal, const Eigen::Vector3f& ray) {
   return std::abs(normal.dot(ray)) / std::max(ray.norm(), 1e-9F);
 }
 
-void keepByPriority(std::vector<Sighting>& sightings, std::size_t max_points) {
-  if (sightings.size() <= max_points) return;
-  const auto before = [](const Sighting& a, const Sighting& b) { return priority(a.point) < priority(b.point); };
-  std::nth_element(sightings.begin(), sightings.begin() + static_cast<std::ptrdiff_t>(max_points), sightings.end(),
-                   before);
-  sightings.resize(max_points);
-  std::sort(sightings.begin(), sightings.end(), [](const auto& a, const auto& b) { return a.point < b.point; });
+void keepByPriority(std::vector<Sight>& sights, std::size_t max_points) {
+  if (sights.size() <= max_points) return;
+  const auto before = [](const Sight& a, const Sight& b) { return priority(a.point) < priority(b.point); };
+  std::nth_element(sights.begin(), sights.begin() + static_cast<std::ptrdiff_t>(max_points), sights.end(), before);
+  sights.resize(max_points);
+  std::sort(sights.begin(), sights.end(), [](const auto& a, const auto& b) { return a.point < b.point; });
 }
 
 // Looks from one view at points.
@@ -59,24 +58,24 @@ class Finder {
         camera_from_map_(map_from_camera.inverse().cast<float>()),
         max_distance_(static_cast<float>(input.depth_params.max_view_distance)) {}
 
-  void find(const PointRun& run, std::vector<Sighting>& sightings) const {
+  void find(const PointRun& run, std::vector<Sight>& sights) const {
     const Eigen::Vector3f center = camera_from_map_ * run.center;
     if (!camera_.mayShow(center, run.radius) || center.norm() > max_distance_ + run.radius) return;
     for (Eigen::Index p = run.begin; p < run.end; ++p) {
-      Sighting sighting{static_cast<std::uint32_t>(p), 0, 0};
-      if (see(p, sighting)) sightings.push_back(sighting);
+      Sight sight{static_cast<std::uint32_t>(p), 0, 0};
+      if (see(p, sight)) sights.push_back(sight);
     }
   }
 
  private:
-  bool see(Eigen::Index p, Sighting& sighting) const {
+  bool see(Eigen::Index p, Sight& sight) const {
     const Eigen::Vector3f local = camera_from_map_ * input_.points.col(p);
     if (local.norm() > max_distance_) return false;
     const auto pixel = camera_.project(local);
     if (!pixel) return false;
     const Eigen::Vector3f normal = camera_from_map_.linear() * input_.surfels.normals.col(p);
-    sighting.weight = incidence(normal, local);
-    if (sighting.weight < kGrazing) return false;
+    sight.weight = incidence(normal, local);
+    if (sight.weight < kGrazing) return false;
     const auto visibility = depth_.test(*pixel, local, normal, input_.surfels.radii[p], input_.depth_params);
     if (visibility != Visibility::kVisible) return false;
     const auto cellOf = [&](float at, int count) {
@@ -84,7 +83,7 @@ class Finder {
     };
     const float to_edge =
         edge_distance_(cellOf(pixel->y(), edge_distance_.rows), cellOf(pixel->x(), edge_distance_.cols));
-    sighting.edge_distance = std::min(to_edge, distanceToBorder(*pixel, camera_.intrinsics()));
+    sight.edge_distance = std::min(to_edge, distanceToBorder(*pixel, camera_.intrinsics()));
     return true;
   }
 
@@ -98,34 +97,34 @@ class Finder {
 
 }  // namespace
 
-std::vector<Sighting> findSightings(const AlignmentInput& input, const std::vector<PointRun>& runs, std::size_t view,
-                                    const Eigen::Isometry3d& map_from_camera, std::size_t max_points) {
-  std::vector<Sighting> sightings;
+std::vector<Sight> findSights(const AlignmentInput& input, const std::vector<PointRun>& runs, std::size_t view,
+                              const Eigen::Isometry3d& map_from_camera, std::size_t max_points) {
+  std::vector<Sight> sights;
   const auto depth = input.depth(view, map_from_camera);
-  if (!depth || depth->depth.empty()) return sightings;
+  if (!depth || depth->depth.empty()) return sights;
   const Finder finder(input, input.cameras[input.views[view].camera], *depth, map_from_camera);
-  for (const PointRun& run : runs) finder.find(run, sightings);
-  keepByPriority(sightings, max_points);
-  return sightings;
+  for (const PointRun& run : runs) finder.find(run, sights);
+  keepByPriority(sights, max_points);
+  return sights;
 }
 
-Tracks makeTracks(const std::vector<std::vector<Sighting>>& by_view, std::size_t num_points, std::size_t max_points) {
+Tracks makeTracks(const std::vector<std::vector<Sight>>& by_view, std::size_t num_points, std::size_t max_points) {
   Tracks tracks;
   tracks.offsets.push_back(0);
   tracks.point_offsets.assign(num_points + 1, 0);
-  std::vector<Sighting> kept;
+  std::vector<Sight> kept;
   for (std::size_t v = 0; v < by_view.size(); ++v) {
     kept = by_view[v];
     keepByPriority(kept, max_points);
-    tracks.sightings.insert(tracks.sightings.end(), kept.begin(), kept.end());
+    tracks.sights.insert(tracks.sights.end(), kept.begin(), kept.end());
     tracks.views.insert(tracks.views.end(), kept.size(), static_cast<std::uint32_t>(v));
-    tracks.offsets.push_back(static_cast<std::uint32_t>(tracks.sightings.size()));
-    for (const Sighting& sighting : kept) ++tracks.point_offsets[sighting.point + 1];
+    tracks.offsets.push_back(static_cast<std::uint32_t>(tracks.sights.size()));
+    for (const Sight& sight : kept) ++tracks.point_offsets[sight.point + 1];
   }
   for (std::size_t p = 0; p < num_points; ++p) tracks.point_offsets[p + 1] += tracks.point_offsets[p];
   std::vector<std::uint32_t> next(tracks.point_offsets.begin(), tracks.point_offsets.end() - 1);
-  tracks.by_point.resize(tracks.sightings.size());
-  for (std::uint32_t k = 0; k < tracks.sightings.size(); ++k) tracks.by_point[next[tracks.sightings[k].point]++] = k;
+  tracks.by_point.resize(tracks.sights.size());
+  for (std::uint32_t k = 0; k < tracks.sights.size(); ++k) tracks.by_point[next[tracks.sights[k].point]++] = k;
   return tracks;
 }
 

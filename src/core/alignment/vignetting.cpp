@@ -5,9 +5,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "alignment/gains.hpp"
 #include "alignment/significance.hpp"
-#include "base/parallel.hpp"
 #include "base/robust.hpp"
 
 namespace cloud_colorizer::alignment {
@@ -30,24 +28,19 @@ struct Problem {
 Problem makeProblem(const AlignmentInput& input, const Tracks& tracks, const PoseState& state, std::uint32_t camera,
                     const std::vector<float>& values, const std::vector<float>& weights) {
   Problem problem{Columns::Zero(static_cast<Eigen::Index>(values.size()), 3), std::vector<float>(values.size(), 0)};
-  const Camera& projection = input.cameras[camera];
-  const auto width = static_cast<float>(projection.intrinsics().width);
-  const auto height = static_cast<float>(projection.intrinsics().height);
+  const Intrinsics& intrinsics = input.cameras[camera].intrinsics();
+  const auto width = static_cast<float>(intrinsics.width), height = static_cast<float>(intrinsics.height);
   Exposure square;
   square.vignetting = {1, 0};
   for (std::size_t v = 0; v < tracks.numViews(); ++v) {
     if (input.views[v].camera != camera) continue;
-    const Eigen::Isometry3d camera_from_map = correctedPose(input.views[v], state.views[v]).inverse();
-    for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) {
-      if (!(weights[k] > 0)) continue;
-      const auto pixel =
-          projection.linearize(camera_from_map * input.points.col(tracks.sightings[k].point).cast<double>());
-      if (!pixel) continue;
-      const Eigen::Vector2f at = pixel->pixel.cast<float>();
+    forEachSight(input, tracks, state, v, [&](auto k, const auto&, const auto& projected) {
+      if (!(weights[k] > 0)) return;
+      const Eigen::Vector2f at = projected.pixel.template cast<float>();
       const float r2 = std::log(square.brightening(at.x(), at.y(), width, height));
       problem.columns.row(static_cast<Eigen::Index>(k)) << std::log(values[k]), r2, r2 * r2;
       problem.weights[k] = weights[k];
-    }
+    });
   }
   return problem;
 }
@@ -104,7 +97,7 @@ Fit regress(const Tracks& tracks, const Columns& columns, const std::vector<floa
   for (Eigen::Index k = 0; k < columns.rows(); ++k) {
     const Eigen::Vector2d radii = columns.row(k).tail<2>().cast<double>();
     const double residual = columns(k, 0) + radii.dot(fit.coefficients);
-    pulls.col(groups[tracks.sightings[static_cast<std::size_t>(k)].point]) +=
+    pulls.col(groups[tracks.sights[static_cast<std::size_t>(k)].point]) +=
         weights[static_cast<std::size_t>(k)] * residual * radii;
   }
   const Eigen::Matrix2d inverse = normal.inverse();
@@ -128,12 +121,12 @@ void reweigh(const Columns& columns, const Eigen::Vector2d& coefficients, const 
 
 std::vector<Eigen::Array2f> estimateVignetting(const AlignmentInput& input, const Tracks& tracks,
                                                const PoseState& state, const std::vector<float>& values,
-                                               const std::vector<float>& weights) {
+                                               const std::vector<float>& weights, const Workers& workers) {
   std::vector<Eigen::Array2f> result(input.cameras.size(), Eigen::Array2f::Zero());
   if (tracks.numObservations() == 0) return result;
   const double size = (input.points.rowwise().maxCoeff() - input.points.rowwise().minCoeff()).maxCoeff();
   const PointGroups groups = groupPoints(input, std::max(1e-9, kBlockShare * size));
-  parallelFor(input.num_threads, result.size(), [&](std::size_t camera) {
+  workers.forEach(result.size(), [&](std::size_t camera) {
     Problem problem = makeProblem(input, tracks, state, static_cast<std::uint32_t>(camera), values, weights);
     const std::vector<float> base = problem.weights;
     Fit fit;

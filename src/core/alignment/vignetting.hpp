@@ -6,8 +6,8 @@
 
 #include <vector>
 
-#include "alignment/poses.hpp"
 #include "alignment/tracks.hpp"
+#include "base/parallel.hpp"
 
 namespace cloud_colorizer::alignment {
 
@@ -18,6 +18,6 @@ namespace cloud_colorizer::alignment {
 /// regression of log brightness on r^2 and r^4.
 std::vector<Eigen::Array2f> estimateVignetting(const AlignmentInput& input, const Tracks& tracks,
                                                const PoseState& state, const std::vector<float>& values,
-                                               const std::vector<float>& weights);
+                                               const std::vector<float>& weights, const Workers& workers);
 
 }  // namespace cloud_colorizer::alignment

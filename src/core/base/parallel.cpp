@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <system_error>
 #include <thread>
 #include <vector>
+
+#include "cloud_colorizer/base/check.hpp"
 
 namespace cloud_colorizer {
 
@@ -50,6 +53,27 @@ void parallelFor(int num_threads, std::size_t count, const std::function<void(st
   work();
   for (auto& thread : threads) thread.join();
   if (failure) std::rethrow_exception(failure);
+}
+
+Callbacks takingTurns(const Callbacks& callbacks) {
+  Callbacks result = callbacks;
+  if (!callbacks.cancelled) return result;
+  result.cancelled = [cancelled = callbacks.cancelled, mutex = std::make_shared<std::mutex>()] {
+    const std::lock_guard<std::mutex> lock(*mutex);
+    return cancelled();
+  };
+  return result;
+}
+
+void throwIfCancelled(const Callbacks& callbacks) {
+  if (callbacks.cancelled && callbacks.cancelled()) throw Cancelled();
+}
+
+void Workers::forEach(std::size_t count, const std::function<void(std::size_t)>& body) const {
+  parallelFor(num_threads, count, [&](std::size_t i) {
+    throwIfCancelled(callbacks);
+    body(i);
+  });
 }
 
 }  // namespace cloud_colorizer

@@ -3,6 +3,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/file_io.hpp"
+#include "base/parallel.hpp"
 #include "base/position_hash.hpp"
 #include "cloud_colorizer/alignment/align.hpp"
 #include "map/fingerprint.hpp"
@@ -17,13 +18,13 @@ using Eigen::Index;
 /// Views that see one sample point, at the least: so many points give every view its alignment_points.
 constexpr double kViewsPerPoint = 8;
 
-struct Sample {
+struct MapSample {
   Surface surface;
   Eigen::VectorXf intensity;  ///< empty where the recording has none
 };
 
 /// The same points whatever the chunks and threads: a hash of the position decides.
-Sample samplePoints(Workspace& work) {
+MapSample samplePoints(Workspace& work, const Callbacks& callbacks) {
   const Recording& recording = work.recording();
   const double wanted = work.params().alignment.alignment_points / kViewsPerPoint;
   const double share =
@@ -36,6 +37,7 @@ Sample samplePoints(Workspace& work) {
   std::vector<Surface> taken;
   std::vector<float> intensity;
   for (std::size_t tile = 0; tile < recording.tiles().size(); ++tile) {
+    throwIfCancelled(callbacks);
     const auto surface = work.surface(tile);
     const std::vector<Index> columns = hashedSample(surface->points, share);
     if (columns.empty()) continue;
@@ -47,14 +49,14 @@ Sample samplePoints(Workspace& work) {
       intensity.push_back(static_cast<float>(numberAt(record + field->offset, field->field.type)));
     }
   }
-  Sample sample{concatenate(taken), {}};
+  MapSample sample{concatenate(taken), {}};
   sample.intensity = Eigen::Map<const Eigen::VectorXf>(intensity.data(), static_cast<Index>(intensity.size()));
   return sample;
 }
 
-AlignmentInput makeInput(Workspace& work) {
+AlignmentInput makeInput(Workspace& work, const Callbacks& callbacks) {
   const Recording& recording = work.recording();
-  Sample sample = samplePoints(work);
+  MapSample sample = samplePoints(work, callbacks);
   AlignmentInput input;
   for (const auto& camera : recording.cameras()) input.cameras.emplace_back(camera.intrinsics);
   // The others are left out before, and have no part in anything.
@@ -65,8 +67,8 @@ AlignmentInput makeInput(Workspace& work) {
   input.points = std::move(sample.surface.points);
   input.surfels = std::move(sample.surface.surfels);
   input.intensity = std::move(sample.intensity);
-  input.depth = [&work, &views](std::size_t k, const Eigen::Isometry3d& pose) {
-    return std::make_shared<const DepthImage>(renderDepth(work, views[k], pose));
+  input.depth = [&work, &views, callbacks](std::size_t k, const Eigen::Isometry3d& pose) {
+    return std::make_shared<const DepthImage>(renderDepth(work, views[k], pose, callbacks));
   };
   input.depth_params = work.params().depth;
   input.num_threads = work.params().colorize.num_threads;
@@ -95,8 +97,9 @@ void alignViews(Workspace& work, const Callbacks& callbacks) {
   const DerivedFiles& files = work.files();
   files.claim(kAlignmentFolder, alignmentKey(work.recording(), work.params(), work.damagedViews()));
 
-  const AlignmentInput input = makeInput(work);
-  const AlignmentResult result = align(input, work.params().alignment, callbacks);
+  const Callbacks turns = takingTurns(callbacks);
+  const AlignmentInput input = makeInput(work, turns);
+  const AlignmentResult result = align(input, work.params().alignment, turns);
   std::vector<CorrectedView> corrected = work.corrections();
   for (std::size_t k = 0; k < result.views.size(); ++k) {
     const ViewAlignment& view = result.views[k];

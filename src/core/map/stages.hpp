@@ -19,7 +19,8 @@ void makeDepthImages(Workspace& work, const Callbacks& callbacks);
 ToneField makeTone(Workspace& work, const Callbacks& callbacks);
 void colorChunks(Workspace& work, const ToneField& tone, const Callbacks& callbacks);
 
-/// Depth image of the whole map for a view at any pose.
-DepthImage renderDepth(Workspace& work, std::size_t view, const Eigen::Isometry3d& map_from_camera);
+/// Depth image of the whole map for a view at any pose. Asks `callbacks` (takingTurns) at each tile whether to go on.
+DepthImage renderDepth(Workspace& work, std::size_t view, const Eigen::Isometry3d& map_from_camera,
+                       const Callbacks& callbacks);
 
 }  // namespace cloud_colorizer

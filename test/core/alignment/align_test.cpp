@@ -4,12 +4,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <opencv2/imgproc.hpp>
 #include <set>
 #include <tuple>
+#include <utility>
 
+#include "alignment/aligner.hpp"
+#include "alignment/gains.hpp"
+#include "alignment/normal_equations.hpp"
 #include "alignment/significance.hpp"
+#include "cloud_colorizer/base/check.hpp"
 #include "core/relief_scene.hpp"
 
 namespace cloud_colorizer {
@@ -351,6 +357,58 @@ TEST(Alignment, CancelledStops) {
   Callbacks callbacks;
   callbacks.cancelled = [] { return true; };
   EXPECT_ANY_THROW(align(scene.input(), {}, callbacks));
+}
+
+TEST(Alignment, AsksBeforeEachImageAndEachSamplingOfAViewWhetherToGoOn) {
+  ReliefViews scene(4);
+  scene.disturbPoses(0.3, 0.01, 4);
+  scene.render(1);
+  AlignmentInput input = scene.input();
+  input.num_threads = 1;
+  int asked = 0, loaded = 0, most_loaded = 0, stop_at = 0;
+  input.images = [&, images = input.images](std::size_t v) { return ++loaded, images(v); };
+  input.depth = [&, depth = input.depth](std::size_t v, const auto& pose) { return ++loaded, depth(v, pose); };
+  Callbacks callbacks;
+  callbacks.cancelled = [&] {
+    most_loaded = std::max(most_loaded, std::exchange(loaded, 0));
+    return ++asked == stop_at;
+  };
+  align(input, looseParams(), callbacks);
+  EXPECT_LE(most_loaded, 2);
+  EXPECT_GT(asked, 200);
+  for (const int stop : {1, 2, asked / 3, asked / 2, asked - 1}) {
+    asked = loaded = 0;
+    stop_at = stop;
+    EXPECT_THROW(align(input, looseParams(), callbacks), Cancelled);
+    EXPECT_EQ(asked, stop);
+    EXPECT_EQ(loaded, 0);
+  }
+}
+
+TEST(Alignment, ReasonsOfARefusalAreSeparated) {
+  using alignment::refusal;
+  EXPECT_EQ(refusal(1, 5, 5), "");
+  EXPECT_EQ(refusal(1, 5, 9), "it would agree worse than before");
+  EXPECT_EQ(refusal(7.25, 5, 9),
+            "its correction would be 7.2 times what the priors expect; it would agree worse than before");
+}
+
+TEST(AlignmentEquations, WhatCannotBeSolvedHasNoSolution) {
+  Eigen::SparseMatrix<double> lower(2, 2);
+  lower.insert(0, 0) = lower.insert(1, 0) = lower.insert(1, 1) = 2;
+  EXPECT_FALSE(alignment::solveLower(lower, Eigen::Vector2d(1, 2)));
+  lower.coeffRef(1, 1) = 4;
+  EXPECT_TRUE(alignment::solveLower(lower, Eigen::Vector2d(2, 2))->isApprox(Eigen::Vector2d(1, 0)));
+  lower.coeffRef(1, 1) = NAN;
+  EXPECT_FALSE(alignment::solveLower(lower, Eigen::Vector2d(1, 2)));
+}
+
+TEST(AlignmentEquations, GainsStayFiniteWhereTheirEquationsCannotBeSolved) {
+  const std::vector<alignment::Sight> all = {{0, 1, 9}, {1, 1, 9}};
+  const alignment::Tracks tracks = alignment::makeTracks({all, all}, 2, 10);
+  const Eigen::VectorXd gains =
+      alignment::estimateLogGains(tracks, {90, 110, 100, 100}, {1, INFINITY, 1, 1}, 5, Workers(1, {}));
+  EXPECT_TRUE(gains.allFinite());
 }
 
 TEST(AlignmentReport, HasALineAViewAndAPicture) {

@@ -5,8 +5,13 @@
 #include <gtest/gtest.h>
 #include <pthread.h>
 
+#include <algorithm>
+#include <atomic>
 #include <stdexcept>
+#include <thread>
 #include <vector>
+
+#include "cloud_colorizer/base/check.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -46,6 +51,27 @@ TEST(ParallelFor, WithoutFurtherThreadsTheCallerDoesAll) {
   pthread_attr_destroy(&huge);
 }
 #endif
+
+TEST(Workers, StopBeforeTheNextUnit) {
+  Callbacks callbacks;
+  int asked = 0, done = 0;
+  callbacks.cancelled = [&] { return ++asked > 5; };
+  EXPECT_THROW(Workers(1, callbacks).forEach(100, [&](std::size_t) { ++done; }), Cancelled);
+  EXPECT_EQ(done, 5);
+}
+
+TEST(Workers, AskOneAtATime) {
+  Callbacks callbacks;
+  std::atomic<int> inside{0}, most{0};
+  callbacks.cancelled = [&] {
+    most = std::max<int>(most, ++inside);
+    std::this_thread::yield();
+    --inside;
+    return false;
+  };
+  Workers(4, callbacks).forEach(1000, [](std::size_t) {});
+  EXPECT_EQ(most, 1);
+}
 
 }  // namespace
 }  // namespace cloud_colorizer
