@@ -17,7 +17,7 @@ namespace {
 
 using Eigen::Index;
 
-constexpr std::size_t kNumRows = 92;  // 46 with each kind of noise
+constexpr std::size_t kNumRows = 84;  // 42 with each kind of noise
 
 /// The paper's method with every parameter free (the preset `paper` fixes some of them).
 Values solvePaper(PointsRef points, const Observations& observations, const ZOrderGrid& grid, const Params& params) {
@@ -27,7 +27,6 @@ Values solvePaper(PointsRef points, const Observations& observations, const ZOrd
 Params paperParams(const Params& from) {
   Params params = from;
   params.system.min_data_weight = 0;
-  params.graph.edge_length_ratio = 0;
   return params;
 }
 
@@ -100,7 +99,6 @@ class Ablations {
       p.system.anchors = AnchorKind::kConsistent;
     });
     vary<double>("lambda", {0.01, 0.1, 1, 10, 100}, [](Params& p, double v) { p.system.lambda = v; });
-    vary<double>("edge_length_ratio", {0, 2, 4, 8}, [](Params& p, double v) { p.graph.edge_length_ratio = v; });
     vary<double>("gradient_distance", {0, 2.6, 2.8, 3.0, 3.2},
                  [](Params& p, double v) { p.system.gradient_distance = v; });
   }

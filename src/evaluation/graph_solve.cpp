@@ -64,40 +64,30 @@ OrderedGraph buildGraph(const std::string& graph, const Points& points) {
 
 GraphSolution solveOnGraph(const std::string& graph, const Points& points, const Observations& observations,
                            const Fused& data, const SystemParams& params, Unanchored unanchored) {
-  params.check();
-  GraphSolution solution;
+  GraphSolution result;
   ProcessorWatch watch;
   OrderedGraph ordered = buildGraph(graph, points);
-  std::vector<Edge> edges = std::move(ordered.edges);
-  solution.num_edges = edges.size();
-  solution.seconds.graph = watch.lap();
-  Gradients gradients = edgeGradients(edges, observations, params.gradient_distance);
-  edges = weighEvidence(std::move(edges), gradients, params.no_evidence_weight);
-  solution.seconds.gradients = watch.lap();
-  const Eigen::VectorXf anchors = randomAnchors(points, data, params);
-  const std::vector<Index> free = freePoints(anchors, edges, &solution.unanchored_share);
-  watch.lap();  // what is only a statistic does not count
-  Values values = data.values;
-  Eigen::VectorXf weights;
-  if (unanchored == Unanchored::kPlain) {
-    weights = anchors;
+  const double graph_seconds = watch.lap();
+  result.num_edges = ordered.edges.size();
+  double statistic_seconds = 0;  // what is only a statistic does not count
+  const auto anchoring = [&](const std::vector<Edge>& edges, Values& values) {
+    ProcessorWatch statistic;
+    Eigen::VectorXf anchors = randomAnchors(points, data, params);
+    const std::vector<Index> free = freePoints(anchors, edges, &result.unanchored_share);
+    statistic_seconds = statistic.lap();
+    if (unanchored == Unanchored::kAnchored) return dataWeights(points, data, edges, params);
     for (const Index p : free) {
-      weights[p] = 1;
+      anchors[p] = 1;
       values.col(p).setZero();
     }
-  } else {
-    weights = dataWeights(points, data, edges, params);
-  }
-  const LinearSystem system = assembleSystem(edges, gradients.values, values, weights, params.lambda);
-  solution.seconds.assembly = watch.lap();
-  edges = {};
-  gradients = {};
-  const LinearSolver solver(system.matrix, params.solver, ordered.elimination_order);
-  solution.seconds.factor = watch.lap();
-  const Eigen::MatrixXd guess = data.values.transpose().cast<double>();
-  solution.values = solver.solve(system.rhs, guess).transpose().cast<float>();
-  solution.seconds.solve = watch.lap();
-  return solution;
+    return anchors;
+  };
+  Solution solution = solveOnGraph(std::move(ordered), observations, data, params, anchoring);
+  result.values = std::move(solution.values);
+  result.seconds = solution.seconds;
+  result.seconds.graph = graph_seconds;
+  result.seconds.assembly -= statistic_seconds;
+  return result;
 }
 
 }  // namespace cloud_colorizer

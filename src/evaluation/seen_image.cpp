@@ -25,7 +25,7 @@ SeenImage HeldoutView::at(PointsRef points, const Surfels& surfels, const Params
   splatter.add(points, surfels);
   const DepthImage depth = splatter.finish();
   SeenImage seen;
-  const auto border = static_cast<float>(params.observe.image_border);
+  const auto border = static_cast<float>(kImageBorder);
   const auto right = static_cast<float>(image.cols - 1) - border, bottom = static_cast<float>(image.rows - 1) - border;
   std::vector<Eigen::Vector3f> values;
   for (Index p = 0; p < points.cols(); ++p) {

@@ -26,6 +26,7 @@ namespace {
 
 constexpr double kJumpBack = 1;            // s; a stream whose stamps step back by more was restarted
 constexpr std::size_t kMaxPending = 2000;  // messages of a topic; a guard for stamps that stand still
+constexpr double kTfCache = 30;            // s of transforms that are kept, if tf_wait is well below it
 
 /// tf and time offsets add up to a day to a stamp, which ros::Time then may not hold.
 constexpr std::uint32_t kLastSecond = std::numeric_limits<std::uint32_t>::max() - 2 * 86400;
@@ -91,7 +92,7 @@ struct Collector::Impl {
         events(std::move(events_in)),
         map_frame(withoutSlash(params_in.map_frame)),
         sensor_frame(withoutSlash(params_in.sensor_frame)),
-        buffer(ros::Duration(params_in.tf_cache)),
+        buffer(ros::Duration(std::max(kTfCache, 2 * params_in.tf_wait))),
         writer(params_in.encode_threads, params_in.raw_image_format,
                [this](const PendingView& view) { viewKept(view); }) {
     params.check();

@@ -28,9 +28,6 @@ const char* toString(Outcome outcome) {
 void CollectorParams::check() const {
   require<std::invalid_argument>(!map_frame.empty() && map_frame != "/", "parameter map_frame must not be empty");
   requireInRange("tf_wait", tf_wait, 0.0, 3600.0);
-  requireInRange("tf_cache", tf_cache, 1.0, 86400.0);
-  require<std::invalid_argument>(tf_cache > tf_wait, "parameter tf_cache = ", tf_cache,
-                                 " must exceed tf_wait = ", tf_wait);
   require<std::invalid_argument>(raw_image_format == "png" || raw_image_format == "ppm" || raw_image_format == "jpg",
                                  "parameter raw_image_format = \"", raw_image_format,
                                  "\" must be one of: ppm, png, jpg");

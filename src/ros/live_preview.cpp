@@ -18,7 +18,7 @@ LivePreview::LivePreview(const AllParams& params, NodeOutput& output, ErrorLog& 
     : params_(params),
       output_(output),
       errors_(errors),
-      preview_(params.node.preview_voxel_size, static_cast<std::size_t>(params.node.max_preview_points)),
+      preview_(kPreviewVoxelSize, kMaxPreviewPoints),
       newest_views_(params.node.collector.cameras.size()) {}
 
 void LivePreview::addCloud(const Cloud& cloud, const Eigen::Isometry3d& map_from_sensor) {

@@ -109,7 +109,7 @@ void NodeOutput::publishMap(const Recording& recording, const Params& params) {
   const std::size_t stride = std::max<std::size_t>(1, (total + cap - 1) / cap);
   sensor_msgs::PointCloud2Ptr message(new sensor_msgs::PointCloud2);
   message->data.reserve((total / stride + 1) * step);
-  VoxelThinner thinner(params_.preview_voxel_size, static_cast<std::size_t>(params_.max_preview_points));
+  VoxelThinner thinner(kPreviewVoxelSize, kMaxPreviewPoints);
   std::size_t seen = 0;
   forEachColoredTile(recording, params, true, [&](const Cloud& tile) {
     thinner.add(tile);

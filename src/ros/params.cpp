@@ -75,9 +75,7 @@ void NodeParams::check() const {
   }
   requireInRange("colorize_after", colorize_after, 0.0, 1e9);
   requireInRange("queue_size", queue_size, 1, 100000);
-  requireInRange("preview_voxel_size", preview_voxel_size, 1e-3, 1e3);
   requireInRange("preview_period", preview_period, 0.0, 1e9);
-  requireInRange("max_preview_points", max_preview_points, 1, 50000000);
   requireInRange("max_published_points", max_published_points, 1, 50000000);
 }
 
@@ -107,6 +105,8 @@ AllParams paramsFromText(const std::map<std::string, std::string>& texts) {
     std::vector<std::string> known;
     for (const ParamText& param : describeAllParams(params)) known.push_back(param.name);
     const auto& [name, text] = *rest.begin();
+    const std::string removed = removedParam(name);
+    require<std::invalid_argument>(removed.empty(), removed);
     throw std::invalid_argument("unknown parameter ~" + name + " = '" + text + "'; did you mean ~" +
                                 nearestName(name, known) + "?");
   }

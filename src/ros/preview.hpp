@@ -16,6 +16,10 @@
 
 namespace cloud_colorizer {
 
+/// colored_map_preview has one point a voxel [m], and no more than a display shows fluently: the newest.
+constexpr double kPreviewVoxelSize = 0.25;
+constexpr std::size_t kMaxPreviewPoints = 500000;
+
 /// Index of the voxel of a position, 21 bits an axis; positions 2^21 voxels apart share one.
 std::uint64_t voxelKey(const Eigen::Vector3d& position, double voxel_size);
 

@@ -5,7 +5,7 @@
 # `evaluate` from end to end on small built-in shapes: every file is there, and a second run gives the same errors.
 . "$(dirname "$0")/common.bash"
 report() { /usr/bin/python3 scripts/report.py "$@"; }
-small=(--quick --points 2000 --views 4 --sizes 1000,2000 --time-limit 5 alignment_points=300 alignment_rounds=1)
+small=(--quick --points 2000 --views 4 --sizes 1000,2000 --time-limit 5 alignment_points=300)
 
 # ---- the tables ----
 for run in one two; do
@@ -30,7 +30,7 @@ cmp "$tmp/one/isolated.csv" "$tmp/two/isolated.csv" || problem "a second run giv
 # ---- ablations ----
 expect 0 'ablations 100 % .92 of 92' evaluate ablations "${small[@]}" --output "$tmp/ablations"
 expect 0 'wrote .*ablations.md' report "$tmp/ablations"
-for what in passes anchor_share_random anchor_share_consistent lambda edge_length_ratio gradient_distance max_views \
+for what in passes anchor_share_random anchor_share_consistent lambda gradient_distance max_views \
             depth_cell_size overlap_percent texture_frequency; do
   [ -s "$tmp/ablations/ablation_$what.png" ] || problem "no plot of $what"
 done

@@ -53,6 +53,11 @@ TEST(RosParams, UnknownNameGetsTheNearestKnownOne) {
   EXPECT_NE(errorOf({{"camera_1/time_offset", "1"}}).find("unknown parameter"), std::string::npos);  // one camera only
 }
 
+TEST(RosParams, RemovedNameSaysWhatIsDoneInstead) {
+  EXPECT_NE(errorOf({{"tf_cache", "60"}}).find("tf_cache is gone"), std::string::npos);
+  EXPECT_NE(errorOf({{"max_gain", "3"}}).find("max_gain is gone"), std::string::npos);
+}
+
 TEST(RosParams, BadValuesAreRefusedWithNameAndValue) {
   for (const auto& [name, text] : std::map<std::string, std::string>{{"voxel_size", "-1"},
                                                                      {"tf_wait", "soon"},

@@ -29,17 +29,12 @@ struct AlignmentParams {
   /// they come near, and their sheen looks like it.
   bool align_vignetting = false;
   AlignPoses align_poses = AlignPoses::kViews;
-  bool align_time_offset = false;          ///< apply the time offset of each camera, not only report it
-  bool align_to_intensity = true;          ///< tie the images to the LiDAR intensity where the cloud has it
-  int alignment_points = 10000;            ///< sample points that one view uses at most
-  int alignment_rounds = 4;                ///< Gauss-Newton rounds at each blur
-  double alignment_blur = 0;               ///< px, Gaussian sigma of the first round; 0: from the pose priors
-  double pose_rotation_prior = 0.15;       ///< deg an axis, of one view against its camera
-  double pose_translation_prior = 0;       ///< m an axis; 0: moves a point as many pixels as the rotation does
-  double extrinsic_rotation_prior = 0.2;   ///< deg an axis, of a camera on its vehicle
-  double extrinsic_translation_prior = 0;  ///< m an axis; 0: as the rotation, in pixels
-  double time_offset_prior = 0.05;         ///< s, of a camera's clock
-  double max_gain = 5;                     ///< gains stay within [1 / max_gain, max_gain]
+  bool align_time_offset = false;         ///< apply the time offset of each camera, not only report it
+  bool align_to_intensity = true;         ///< tie the images to the LiDAR intensity where the cloud has it
+  int alignment_points = 10000;           ///< sample points that one view uses at most
+  double pose_rotation_prior = 0.15;      ///< deg an axis, of one view; of its place: as many pixels
+  double extrinsic_rotation_prior = 0.2;  ///< deg an axis, of a camera on its vehicle; of its place: as many pixels
+  double time_offset_prior = 0.05;        ///< s, of a camera's clock
 
   void check() const;
 };

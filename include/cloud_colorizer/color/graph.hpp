@@ -16,12 +16,12 @@ namespace cloud_colorizer {
 /// blocks, so differences of exposure spread further over the surface; solved by conjugate gradients. kShared: the
 /// passes mirror one grid, as if the paper's cube had a power of two cells. All have the same blocks, which few edges
 /// leave: nearly one-dimensional, so that a factorisation is cheap and exact.
-enum class PassGrids { kOwn, kShared };
+/// kAuto: what the solver is good at, kShared for a factorisation and kOwn else; kOwn where there is no solver.
+enum class PassGrids { kAuto, kOwn, kShared };
 
 struct GraphParams {
-  int passes = 4;                ///< 1 to 4 Z-order passes
-  double edge_length_ratio = 0;  ///< edges longer than this many local spacings count less; 0: all count alike
-  PassGrids grids = PassGrids::kOwn;
+  int passes = 4;  ///< 1 to 4 Z-order passes
+  PassGrids grids = PassGrids::kAuto;
 
   void check() const;
 };
@@ -32,9 +32,7 @@ struct Edge {
 };
 
 /// Links of neighbours in the Z-orders of params.passes passes, each edge once, ascending by (p, q).
-/// With an edge_length_ratio L, an edge of length l at local spacing s has weight min(1, (L s / l)^2), at least 1e-6,
-/// so that the graph stays connected. s is the mean over the edge's two ends of the median length of the end's edges
-/// (the shorter of two middle ones), at least grid.cell. O(n).
+/// O(n).
 std::vector<Edge> zorderGraph(PointsRef points, const ZOrderGrid& grid, const GraphParams& params);
 
 /// The same graph, and for shared grids an order of elimination with which the factor of its matrix has few entries.

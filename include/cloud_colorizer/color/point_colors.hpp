@@ -17,7 +17,7 @@ enum class Method { kDefault, kPaper, kMean, kMedian, kClosest };
 
 /// The fused values, for kDefault and kPaper solved for on the graph, in which points that no view sees take no part.
 /// kPaper is the formulation as published: plain means, all views alike, no weight on points that are no anchors.
-Fused colorPoints(PointsRef points, Observations observations, const ZOrderGrid& grid, Method method, GraphParams graph,
-                  SystemParams system);
+Fused colorPoints(PointsRef points, Observations observations, const ZOrderGrid& grid, Method method,
+                  const GraphParams& graph, SystemParams system);
 
 }  // namespace cloud_colorizer

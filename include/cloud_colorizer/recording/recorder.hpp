@@ -24,7 +24,7 @@ struct RecordParams {
   double tile_size = 0;            ///< m, side of a tile; 0: 200 voxels, or 10 m where voxel_size is 0
   double keyframe_distance = 0.5;  ///< m; a view is kept when its camera moved this far since its last view,
   double keyframe_angle = 10;      ///< deg; or turned by this angle
-  double scan_resolution = 0.5;    ///< deg a cell of the scans that tell empty space; 0 keeps no scans
+  double scan_resolution = 0.5;    ///< deg a cell of the scans that tell empty space; 0: none are kept, and none used
   int max_open_tiles = 1024;       ///< tiles whose voxels are held in memory; a 60 m scan touches about 400
 
   void check() const;

@@ -37,7 +37,6 @@ struct CollectorParams {
   std::string map_frame = "map";
   std::string sensor_frame;  ///< frame from which ranges are measured; empty: the cloud's own
   double tf_wait = 2;        ///< s of message time that a message waits for its transform
-  double tf_cache = 30;      ///< s of transforms that are kept
   /// ppm, png or jpg, of raw images. ppm is the default because OpenCV 4.6 needs about 200 ms for a 1 Mpixel PNG (1.6
   /// ms for a PPM, 11 ms for a JPEG), and 20 such images may come in a second.
   std::string raw_image_format = "ppm";

@@ -23,11 +23,9 @@ struct NodeParams {
   std::string save_dir;                 ///< below which ~save_map may write; empty: the recording's parent directory
   std::string image_transport = "raw";  ///< raw, compressed, or another with a plugin for image_transport
   std::vector<std::string> camera_transports = std::vector<std::string>(1);  ///< by camera; empty: image_transport
-  double colorize_after = 0;         ///< s without any message after which the map is coloured; 0: never
-  int queue_size = 40;               ///< messages of a topic that wait to be recorded
-  double preview_voxel_size = 0.25;  ///< m
-  double preview_period = 1;         ///< s between two previews while recording; 0: no preview
-  int max_preview_points = 500000;
+  double colorize_after = 0;           ///< s without any message after which the map is coloured; 0: never
+  int queue_size = 40;                 ///< messages of a topic that wait to be recorded
+  double preview_period = 1;           ///< s between two previews while recording; 0: no preview
   int max_published_points = 5000000;  ///< of colored_map; beyond it every k-th point is published
 
   void check() const;  ///< throws std::invalid_argument with name, value and what is allowed
@@ -39,7 +37,6 @@ void visitCollectorParams(CollectorParamsT& p, F&& f) {
   f("map_frame", p.map_frame, "frame in which the map is built");
   f("sensor_frame", p.sensor_frame, "frame from which ranges are measured; empty: that of the cloud");
   f("tf_wait", p.tf_wait, "s of message time that a cloud or an image waits for its transform");
-  f("tf_cache", p.tf_cache, "s of transforms that are kept");
   f("raw_image_format", p.raw_image_format,
     "ppm (fast), png (half the size, slow) or jpg (small, lossy): how raw images are kept");
   f("encode_threads", p.encode_threads, "threads that encode raw images");
@@ -63,9 +60,7 @@ void visitNodeParams(NodeParamsT& p, F&& f) {
     "raw, compressed (files kept as received), or another one that image_transport has a plugin for");
   f("colorize_after", p.colorize_after, "s without a message after which the map is coloured; 0: never");
   f("queue_size", p.queue_size, "messages of a topic that may wait to be recorded");
-  f("preview_voxel_size", p.preview_voxel_size, "m; one point a voxel in colored_map_preview");
   f("preview_period", p.preview_period, "s between previews while recording; 0: none");
-  f("max_preview_points", p.max_preview_points, "points of colored_map_preview; the newest stay");
   f("max_published_points", p.max_published_points, "points of colored_map; of a larger map every k-th is published");
   visitCollectorParams(p.collector, f);
   for (std::size_t i = 0; i < p.camera_transports.size(); ++i) {

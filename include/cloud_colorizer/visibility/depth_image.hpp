@@ -22,7 +22,6 @@ struct DepthParams {
   double depth_edge_guard = 3;     ///< px; nearer than this to a depth edge an observation counts as "edge"
   double max_view_distance = 40;   ///< m; views farther from a point than this do not colour it
   double clear_radius = 0.5;       ///< m; nothing that stays was so near to where a camera has been: it does not hide
-  bool use_scans = true;           ///< what the scan of a view's moment saw through was not there
 
   void check() const;
 };

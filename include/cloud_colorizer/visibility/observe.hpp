@@ -17,9 +17,11 @@
 
 namespace cloud_colorizer {
 
+/// px at the border of an image that are not used: demosaicing and JPEG have seen half of their neighbours only.
+constexpr double kImageBorder = 3;
+
 struct ObserveParams {
-  int max_views = 20;       ///< a point keeps its best views up to this number
-  double image_border = 3;  ///< px at the border of an image that are not used
+  int max_views = 20;  ///< a point keeps its best views up to this number
 
   void check() const;
 };
@@ -48,7 +50,8 @@ struct Observations {
   std::size_t numObservations() const { return views.size(); }
 };
 
-/// Why no view coloured a point: the farthest that it came with any of them.
+/// Why no view coloured a point. The values are in the order of the tests that a view makes, the last test first; of
+/// all views the one that came through most tests counts.
 enum class Unseen : std::uint8_t { kSeen, kMasked, kAbsent, kHidden, kTooFar, kOutside };
 
 /// Why views did not see points: counts of (point, view) pairs.

@@ -84,7 +84,7 @@ double ConjugateGradients::constantQuotient() const {
 }
 
 /// rhs becomes (1 + L)^-1 (rhs - (1 + L + L') solution).
-void ConjugateGradients::toResidual(const Block& solution, Block& rhs) const {
+void ConjugateGradients::toResidual(const LaneRows& solution, LaneRows& rhs) const {
   for (Index j = 0; j < size_; ++j) {
     Lanes at_j = rhs.row(j) - solution.row(j);
     for (int k = offsets_[j]; k < offsets_[j + 1]; ++k) at_j -= values_[k] * solution.row(rows_[k]);
@@ -97,8 +97,8 @@ void ConjugateGradients::toResidual(const Block& solution, Block& rhs) const {
 /// direction = residual + beta direction, backward = (1 + L')^-1 direction, and the image of the direction:
 ///   (1 + L)^-1 (1 + L + L') (1 + L')^-1 direction = backward + (1 + L)^-1 (direction - backward)
 /// Returns direction' image.
-ConjugateGradients::Lanes ConjugateGradients::step(const Lanes& beta, const Block& residual, Block& direction,
-                                                   Block& backward, Block& image) const {
+ConjugateGradients::Lanes ConjugateGradients::step(const Lanes& beta, const LaneRows& residual, LaneRows& direction,
+                                                   LaneRows& backward, LaneRows& image) const {
   for (Index j = size_ - 1; j >= 0; --j) {
     const Lanes at_j = residual.row(j) + beta * direction.row(j);
     Lanes sum = at_j;
@@ -118,22 +118,22 @@ ConjugateGradients::Lanes ConjugateGradients::step(const Lanes& beta, const Bloc
   return product;
 }
 
-void ConjugateGradients::solveLanes(Block& residual, Block& solution) const {
+void ConjugateGradients::solveLanes(LaneRows& residual, LaneRows& solution) const {
   toResidual(solution, residual);
   Lanes norm = residual.square().colwise().sum(), beta = Lanes::Zero();
   const Lanes guess_norm = solution.square().colwise().sum();
   Lanes solution_norm;
-  Index lane = 0;  // one with much to do knows the eigenvalues
+  Index lane = 0;  // of the largest residual: its iteration tells the eigenvalues, which all lanes share
   norm.maxCoeff(&lane);
   RitzValues ritz;
   double smallest = constant_quotient_;  // eigenvalue; an error is at most as large as the residual divided by it
   const auto isEnough = [&] {
     return (norm <= std::pow(kTolerance * smallest, 2) * (guess_norm + solution_norm)).all();
   };
-  Block direction = Block::Zero(size_, kLanes), backward(size_, kLanes), image(size_, kLanes);
+  LaneRows direction = LaneRows::Zero(size_, kLanes), backward(size_, kLanes), image(size_, kLanes);
   for (int i = 0; !(norm < kNothing).all(); ++i) {
     require(i < kMaxIterations && norm.isFinite().all(), "conjugate gradients do not converge on a system of ", size_,
-            " points; set pass_grids to shared and solver to cholmod");
+            " points; set solver to cholmod");
     const Lanes product = step(beta, residual, direction, backward, image);
     requireRegular((norm < kNothing || product > kSingular * norm).all(), size_, "singular or indefinite");
     const Lanes alpha = (norm < kNothing).select(0, norm / product);
@@ -161,7 +161,7 @@ Eigen::MatrixXd ConjugateGradients::solve(const Eigen::MatrixXd& rhs, const Eige
   Eigen::MatrixXd result(rhs.rows(), rhs.cols());
   for (Index first = 0; first < rhs.cols(); first += kLanes) {
     const Index count = std::min<Index>(kLanes, rhs.cols() - first);
-    Block residual = Block::Zero(size_, kLanes), solution = Block::Zero(size_, kLanes);
+    LaneRows residual = LaneRows::Zero(size_, kLanes), solution = LaneRows::Zero(size_, kLanes);
     residual.leftCols(count) = rhs.middleCols(first, count).array().colwise() * scale;
     solution.leftCols(count) = guess.middleCols(first, count).array().colwise() / scale;
     solveLanes(residual, solution);

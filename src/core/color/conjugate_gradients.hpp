@@ -28,12 +28,13 @@ class ConjugateGradients {
 
  private:
   static constexpr int kLanes = 4;
-  using Block = Eigen::Array<double, Eigen::Dynamic, kLanes, Eigen::RowMajor>;
+  using LaneRows = Eigen::Array<double, Eigen::Dynamic, kLanes, Eigen::RowMajor>;
   using Lanes = Eigen::Array<double, 1, kLanes>;
 
-  void toResidual(const Block& solution, Block& rhs) const;
-  Lanes step(const Lanes& beta, const Block& residual, Block& direction, Block& backward, Block& image) const;
-  void solveLanes(Block& residual, Block& solution) const;
+  void toResidual(const LaneRows& solution, LaneRows& rhs) const;
+  Lanes step(const Lanes& beta, const LaneRows& residual, LaneRows& direction, LaneRows& backward,
+             LaneRows& image) const;
+  void solveLanes(LaneRows& residual, LaneRows& solution) const;
   double constantQuotient() const;
 
   Eigen::Index size_;

@@ -12,18 +12,11 @@
 namespace cloud_colorizer {
 namespace {
 
-constexpr double kMinEdgeWeight = 1e-6;
-
-/// Running sums in place: counts in offsets[i + 1] become starts in offsets[i].
-void countsToOffsets(std::vector<std::uint32_t>& offsets) {
-  std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
-}
-
 /// The links as edges, each once.
 std::vector<Edge> sortedEdges(std::size_t num_points, const std::vector<Link>& links) {
   std::vector<std::uint32_t> offsets(num_points + 1, 0), seconds(links.size());
   for (const Link& link : links) ++offsets[link.first + 1];
-  countsToOffsets(offsets);
+  std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
   std::vector<std::uint32_t> next(offsets.begin(), offsets.end() - 1);
   for (const Link& link : links) seconds[next[link.first]++] = link.second;
   std::vector<Edge> edges;
@@ -38,44 +31,10 @@ std::vector<Edge> sortedEdges(std::size_t num_points, const std::vector<Link>& l
   return edges;
 }
 
-/// Median length of every point's edges, of two middle ones the shorter; 0 for a point without edges.
-std::vector<float> medianLengths(std::size_t num_points, const std::vector<Edge>& edges,
-                                 const std::vector<float>& edge_lengths) {
-  std::vector<std::uint32_t> offsets(num_points + 1, 0);
-  for (const Edge& edge : edges) ++offsets[edge.p + 1], ++offsets[edge.q + 1];
-  countsToOffsets(offsets);
-  std::vector<std::uint32_t> next(offsets.begin(), offsets.end() - 1);
-  std::vector<float> lengths(2 * edges.size()), medians(num_points, 0.0F);
-  for (std::size_t e = 0; e < edges.size(); ++e) {
-    lengths[next[edges[e].p]++] = edge_lengths[e];
-    lengths[next[edges[e].q]++] = edge_lengths[e];
-  }
-  for (std::size_t p = 0; p < num_points; ++p) {
-    if (offsets[p] == offsets[p + 1]) continue;
-    const auto middle = lengths.begin() + (offsets[p] + offsets[p + 1] - 1) / 2;
-    std::nth_element(lengths.begin() + offsets[p], middle, lengths.begin() + offsets[p + 1]);
-    medians[p] = *middle;
-  }
-  return medians;
-}
-
-void weighByLength(PointsRef points, double cell, double ratio, std::vector<Edge>& edges) {
-  std::vector<float> lengths(edges.size());
-  for (std::size_t e = 0; e < edges.size(); ++e) lengths[e] = (points.col(edges[e].p) - points.col(edges[e].q)).norm();
-  const std::vector<float> medians = medianLengths(static_cast<std::size_t>(points.cols()), edges, lengths);
-  for (std::size_t e = 0; e < edges.size(); ++e) {
-    const double spacing = std::max(cell, 0.5 * (medians[edges[e].p] + medians[edges[e].q]));
-    if (lengths[e] <= ratio * spacing) continue;
-    const double relative = ratio * spacing / lengths[e];
-    edges[e].weight = static_cast<float>(std::max(kMinEdgeWeight, relative * relative));
-  }
-}
-
 }  // namespace
 
 void GraphParams::check() const {
   requireInRange("passes", passes, 1, kMaxPasses);
-  requireInRange("edge_length_ratio", edge_length_ratio, 0.0, 1e6);
 }
 
 OrderedGraph orderedZorderGraph(PointsRef points, const ZOrderGrid& grid, const GraphParams& params) {
@@ -87,7 +46,6 @@ OrderedGraph orderedZorderGraph(PointsRef points, const ZOrderGrid& grid, const 
   const std::vector<Link> links = (shared ? sharedGridLinks : ownGridLinks)(keys, params.passes);
   OrderedGraph graph{sortedEdges(keys.size(), links), {}};
   if (shared) graph.elimination_order = orderByLastLink(keys.size(), links);
-  if (params.edge_length_ratio > 0) weighByLength(points, grid.cell, params.edge_length_ratio, graph.edges);
   return graph;
 }
 

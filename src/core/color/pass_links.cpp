@@ -11,11 +11,11 @@ namespace cloud_colorizer {
 namespace {
 
 /// A block of the grid's binary tree: the points at which each pass enters and leaves it.
-struct Block {
+struct TreeBlock {
   std::array<std::uint32_t, kMaxPasses> first, last;
   int split = 0;  // highest bit in which the keys of this block and of the next one on the stack differ
 
-  explicit Block(std::uint32_t point) {
+  explicit TreeBlock(std::uint32_t point) {
     first.fill(point);
     last.fill(point);
   }
@@ -33,7 +33,7 @@ class BlockLinker {
   }
 
   /// Joins `low` and `high`, that differ in bit low.split, and links them once in every pass.
-  void join(Block& low, const Block& high, std::vector<Link>& links) const {
+  void join(TreeBlock& low, const TreeBlock& high, std::vector<Link>& links) const {
     const std::size_t begin = links.size();
     for (int pass = 0; pass < passes_; ++pass) {
       // A pass that mirrors this bit's axis visits the high half before the low one; equal keys keep their order.
@@ -69,7 +69,7 @@ std::vector<Link> sharedGridLinks(const std::vector<std::uint64_t>& keys, int pa
   const BlockLinker linker(passes);
   std::vector<Link> links;
   links.reserve(keys.size() * (passes == 1 ? 1 : 2));
-  std::vector<Block> stack;  // splits descend from the bottom, so it holds 64 blocks at most
+  std::vector<TreeBlock> stack;  // splits descend from the bottom, so it holds 64 blocks at most
   for (std::size_t i = 0; i < order.size(); ++i) {
     stack.emplace_back(order[i]);
     stack.back().split = i + 1 < order.size() ? splitBit(keys[order[i]], keys[order[i + 1]]) : 64;

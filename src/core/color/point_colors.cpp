@@ -34,8 +34,8 @@ Fused fuse(const Observations& observations, Method method) {
 
 }  // namespace
 
-Fused colorPoints(PointsRef points, Observations observations, const ZOrderGrid& grid, Method method, GraphParams graph,
-                  SystemParams system) {
+Fused colorPoints(PointsRef points, Observations observations, const ZOrderGrid& grid, Method method,
+                  const GraphParams& graph, SystemParams system) {
   Fused fused = fuse(observations, method);
   if (method != Method::kPaper && method != Method::kDefault) return fused;
   const std::vector<Index> seen = keepSeen(observations);
@@ -43,10 +43,7 @@ Fused colorPoints(PointsRef points, Observations observations, const ZOrderGrid&
 
   const Fused data{gatherColumns(fused.values, seen), gatherColumns(fused.count, seen),
                    gatherColumns(fused.stddev, seen), std::move(fused.observation_weights)};
-  if (method == Method::kPaper) {
-    graph.edge_length_ratio = 0;
-    system.min_data_weight = 0;
-  }
+  if (method == Method::kPaper) system.min_data_weight = 0;
   const Values solved = solveValues(gatherColumns<Points>(points, seen), observations, data, grid, graph, system);
   for (std::size_t k = 0; k < seen.size(); ++k) fused.values.col(seen[k]) = solved.col(static_cast<Index>(k));
   return fused;

@@ -11,7 +11,7 @@
 namespace cloud_colorizer {
 
 /// Relative to the matrix, below it a pivot or an eigenvalue is rounding error. Well conditioned systems have far
-/// larger ones, see kMinEdgeWeight of the graph.
+/// larger ones.
 constexpr double kSingular = 1e-13;
 
 /// Throws std::runtime_error unless `regular`.

@@ -10,40 +10,36 @@
 namespace cloud_colorizer {
 namespace {
 
-void checkSeen(PointsRef points, const Observations& observations, const Fused& data) {
+void checkSeen(const Observations& observations, const Fused& data) {
   checkObservations(observations);
-  require<std::invalid_argument>(static_cast<Eigen::Index>(observations.numPoints()) == points.cols() &&
-                                     data.values.cols() == points.cols() && data.count.size() == points.cols(),
-                                 points.cols(), " points, observations of ", observations.numPoints(),
-                                 " and fused values of ", data.values.cols(), " must be equally many");
-  require<std::invalid_argument>(points.cols() == 0 || data.count.minCoeff() > 0,
+  const auto num_points = static_cast<Eigen::Index>(observations.numPoints());
+  require<std::invalid_argument>(data.values.cols() == num_points && data.count.size() == num_points,
+                                 "observations of ", num_points, " points and fused values of ", data.values.cols(),
+                                 " must be equally many");
+  require<std::invalid_argument>(num_points == 0 || data.count.minCoeff() > 0,
                                  "a point without views cannot be in the graph: leave it out");
 }
 
 }  // namespace
 
-Solution solveWithStatistics(PointsRef points, const Observations& observations, const Fused& data,
-                             const ZOrderGrid& grid, const GraphParams& graph_params,
-                             const SystemParams& system_params) {
-  system_params.check();
-  checkSeen(points, observations, data);
+Solution solveOnGraph(OrderedGraph graph, const Observations& observations, const Fused& data,
+                      const SystemParams& params, const Anchoring& anchoring) {
+  params.check();
+  checkSeen(observations, data);
   Solution solution;
-  StopWatch watch;
-  OrderedGraph graph = orderedZorderGraph(points, grid, graph_params);  // N of eq. (3)
-  std::vector<Edge> edges = std::move(graph.edges);
-  solution.num_edges = edges.size();
-  solution.seconds.graph = watch.lap();
-  Gradients gradients =  // eq. (4)
-      edgeGradients(edges, observations, system_params.gradient_distance, data.observation_weights);
-  edges = weighEvidence(std::move(edges), gradients, system_params.no_evidence_weight);
+  ProcessorWatch watch;
+  std::vector<Edge> edges = std::move(graph.edges);  // N of eq. (3)
+  Gradients gradients = edgeGradients(edges, observations, params.gradient_distance, data.observation_weights);  // (4)
+  edges = weighEvidence(std::move(edges), gradients, params.no_evidence_weight);
   solution.seconds.gradients = watch.lap();
-  const Eigen::VectorXf data_weights = dataWeights(points, data, edges, system_params);  // a_p of eq. (2)
-  const LinearSystem system =                                                            // eq. (5)
-      assembleSystem(edges, gradients.values, data.values, data_weights, system_params.lambda);
+  Values values = data.values;
+  const Eigen::VectorXf data_weights = anchoring(edges, values);  // a_p of eq. (2)
+  const LinearSystem system = assembleSystem(edges, gradients.values, values, data_weights, params.lambda);  // eq. (5)
   solution.seconds.assembly = watch.lap();
   edges = {};  // the factor is the largest object of all; make room for it
   gradients = {};
-  const LinearSolver solver(system.matrix, system_params.solver, graph.elimination_order);
+  values = {};
+  const LinearSolver solver(system.matrix, params.solver, graph.elimination_order);
   solution.seconds.factor = watch.lap();
   const Eigen::MatrixXd guess = data.values.transpose().cast<double>();
   solution.values = solver.solve(system.rhs, guess).transpose().cast<float>();
@@ -52,8 +48,16 @@ Solution solveWithStatistics(PointsRef points, const Observations& observations,
 }
 
 Values solveValues(PointsRef points, const Observations& observations, const Fused& data, const ZOrderGrid& grid,
-                   const GraphParams& graph_params, const SystemParams& system_params) {
-  return solveWithStatistics(points, observations, data, grid, graph_params, system_params).values;
+                   GraphParams graph_params, const SystemParams& system_params) {
+  require<std::invalid_argument>(static_cast<Eigen::Index>(observations.numPoints()) == points.cols(), points.cols(),
+                                 " points and observations of ", observations.numPoints(), " must be equally many");
+  const bool factors = system_params.solver != SolverKind::kConjugateGradients;
+  if (graph_params.grids == PassGrids::kAuto) graph_params.grids = factors ? PassGrids::kShared : PassGrids::kOwn;
+  const auto anchoring = [&](const std::vector<Edge>& edges, Values&) {
+    return dataWeights(points, data, edges, system_params);
+  };
+  return solveOnGraph(orderedZorderGraph(points, grid, graph_params), observations, data, system_params, anchoring)
+      .values;
 }
 
 }  // namespace cloud_colorizer

@@ -71,9 +71,8 @@ std::string visibilityKey(const Recording& recording, const Params& params) {
     hash.addValue(k.model).add(k.distortion.data(), k.distortion.size());
   }
   return line("points and cameras", hash.value()) +
-         paramsText(params,
-                    {"depth_cell_size", "depth_tolerance", "depth_edge_guard", "max_view_distance", "use_scans"},
-                    false);
+         paramsText(params, {"depth_cell_size", "depth_tolerance", "depth_edge_guard", "max_view_distance"}, false) +
+         line("scans are used", params.record.scan_resolution > 0);
 }
 
 }  // namespace
@@ -96,11 +95,11 @@ std::string surfelsKey(const Recording& recording, const Params& params) {
   Hash poses;
   for (const View& view : recording.views()) poses.add(view.map_from_camera.matrix().data(), 16).addValue(view.stamp);
   return line("version of the stages", kStagesVersion) + line("poses of the recording", poses.value()) +
-         paramsText(params, {"num_neighbors", "clear_radius"}, false);
+         paramsText(params, {"clear_radius"}, false);
 }
 
 std::string alignmentKey(const Recording& recording, const Params& params, const ViewList& damaged) {
-  std::set<std::string> names = {"memory_limit"};  // bounds how many sample points a view has
+  std::set<std::string> names = {"align_poses"};
   visitAlignmentParams(params.alignment, [&](const char* name, const auto&, const char*) { names.insert(name); });
   return surfelsKey(recording, params) + visibilityKey(recording, params) + imagesKey(recording, damaged) +
          paramsText(params, names, false);
@@ -115,8 +114,8 @@ std::string depthKey(const Recording& recording, const Params& params, const std
 std::string colorsKey(const Recording& recording, const Params& params, const ViewList& damaged,
                       const std::vector<CorrectedView>& views) {
   // These do not change the colour of a tile.
-  const std::set<std::string> without = {"num_threads",   "memory_limit",   "uncolored",
-                                         "fill_distance", "max_open_tiles", "scan_resolution"};
+  const std::set<std::string> without = {"num_threads", "memory_limit", "uncolored", "fill_distance",
+                                         "scan_resolution"};
   Hash exposures;
   for (const auto& view : views) {
     exposures.add(view.exposure.gain.data(), static_cast<std::size_t>(view.exposure.gain.size()));

@@ -69,7 +69,7 @@ bool Workspace::aligns() const {
 }
 
 std::shared_ptr<const EmptySpace> Workspace::emptySpace(std::size_t view, const Eigen::Isometry3d& map_from_camera) {
-  if (!params_.depth.use_scans) return nullptr;
+  if (params_.record.scan_resolution == 0) return nullptr;
   const double stamp = recording_.views()[view].stamp;
   return emptySpaceAt(recording_, scan_times_, stamp, map_from_camera,
                       [this](std::size_t scan) { return scans_.get(scan); });

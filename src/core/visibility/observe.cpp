@@ -15,6 +15,7 @@ namespace cloud_colorizer {
 namespace {
 
 constexpr float kSaturatedWeight = 0.05F;  // the true value is unknown, only that it is brighter
+constexpr auto kBorder = static_cast<float>(kImageBorder);
 constexpr float kFullWeightBorder = 20;    // px from the usable border to where an observation counts fully
 
 using Sampler = void (*)(const cv::Mat&, float, float, float*);
@@ -59,13 +60,12 @@ void checkView(const ObservedView& view, int channels) {
 /// Looks from one view at all points.
 class Looker {
  public:
-  Looker(const ObservedView& view, const DepthParams& depth_params, const ObserveParams& params)
+  Looker(const ObservedView& view, const DepthParams& depth_params)
       : view_(view),
         depth_params_(depth_params),
         camera_(*view.camera),
         sampler_(samplerOf(*view.image, view.id)),
         saturation_(saturationOf(*view.image)),
-        border_(static_cast<float>(params.image_border)),
         max_distance_(static_cast<float>(depth_params.max_view_distance)),
         right_(static_cast<float>(camera_.intrinsics().width - 1)),
         bottom_(static_cast<float>(camera_.intrinsics().height - 1)),
@@ -110,7 +110,7 @@ class Looker {
                 ObserveStats& stats) {
     const auto pixel = camera_.project(point);
     const float margin = pixel ? std::min({pixel->x(), pixel->y(), right_ - pixel->x(), bottom_ - pixel->y()}) : -1;
-    if (!pixel || margin < border_) {
+    if (!pixel || margin < kBorder) {
       ++stats.outside;
       return Unseen::kOutside;
     }
@@ -170,7 +170,7 @@ class Looker {
     const float footprint = view_.depth->pixel_angle * distance;
     const float sharp = 1 / (1 + std::min(1e6F, footprint * footprint / std::max(1e-12F, radius * radius)));
     const float cosine = normal.isZero() ? 0.5F : std::abs(normal.dot(point)) / std::max(1e-9F, distance);
-    const float inside = std::min(1.0F, (margin - border_ + 1) / kFullWeightBorder);
+    const float inside = std::min(1.0F, (margin - kBorder + 1) / kFullWeightBorder);
     return sharp * (0.1F + 0.9F * std::min(1.0F, cosine)) * inside;
   }
 
@@ -179,7 +179,7 @@ class Looker {
   const Camera& camera_;
   Sampler sampler_;
   float saturation_;  ///< a value from which on it is saturated
-  float border_, max_distance_, right_, bottom_;
+  float max_distance_, right_, bottom_;
   bool saturated_ = false;  ///< the values taken last
   Eigen::Matrix3f rotation_;
   Eigen::Vector3f translation_;
@@ -190,7 +190,6 @@ class Looker {
 
 void ObserveParams::check() const {
   requireInRange("max_views", max_views, 1, 100000);
-  requireInRange("image_border", image_border, 0.0, 1e5);
 }
 
 ObserveResult observe(PointsRef points, const Surfels& surfels, std::size_t num_views,
@@ -210,7 +209,7 @@ ObserveResult observe(PointsRef points, const Surfels& surfels, std::size_t num_
     if (k == 0 && at.image) channels = at.image->channels();
     checkView(at, channels);
     if (k == 0) best.reserve(num_views, channels);
-    Looker(at, depth_params, params).look(points, surfels, runs, best, result);
+    Looker(at, depth_params).look(points, surfels, runs, best, result);
   }
   result.observations = best.finish();
   for (std::size_t p = 0; p < result.unseen.size(); ++p) {

@@ -45,7 +45,7 @@ TEST(Graph, LinksAreTheNeighboursInTheSortedPasses) {
   const Points points = sphere(3000);  // several points in many cells of 5 cm
   for (const PassGrids grids : {PassGrids::kOwn, PassGrids::kShared}) {
     for (int passes = 1; passes <= kMaxPasses; ++passes) {
-      const auto edges = zorderGraph(points, kGrid, {passes, 0, grids});
+      const auto edges = zorderGraph(points, kGrid, {passes, grids});
       const Pairs expected = linksBySorting(points, passes, grids);
       ASSERT_EQ(edges.size(), expected.size());
       std::size_t e = 0;
@@ -60,7 +60,7 @@ TEST(Graph, LinksAreTheNeighboursInTheSortedPasses) {
 
 TEST(Graph, EliminationOrderHasEveryPointOnceAndLittleFill) {
   const int num_points = 3000;
-  const GraphParams shared{4, 0, PassGrids::kShared};
+  const GraphParams shared{4, PassGrids::kShared};
   const auto graph = orderedZorderGraph(sphere(num_points), {Eigen::Vector3f::Constant(-2), 0.001F}, shared);
   std::vector<int> rank(num_points, -1);
   for (int i = 0; i < num_points; ++i) rank.at(graph.elimination_order.at(i)) = i;
@@ -81,8 +81,8 @@ TEST(Graph, EliminationOrderHasEveryPointOnceAndLittleFill) {
 TEST(Graph, NeighboursOfASurfaceInFourPasses) {
   const Points points = sphere(20000);
   const ZOrderGrid grid{Eigen::Vector3f::Constant(-2), 0.001F};
-  EXPECT_NEAR(neighboursOf(zorderGraph(points, grid, {4, 0, PassGrids::kShared}), 20000), 4.1, 0.2);
-  EXPECT_NEAR(neighboursOf(zorderGraph(points, grid, {4, 0, PassGrids::kOwn}), 20000), 5.8, 0.2);
+  EXPECT_NEAR(neighboursOf(zorderGraph(points, grid, {4, PassGrids::kShared}), 20000), 4.1, 0.2);
+  EXPECT_NEAR(neighboursOf(zorderGraph(points, grid, {4, PassGrids::kOwn}), 20000), 5.8, 0.2);
 }
 
 /// The halves of a cube touch in a plane of blocks of every size. Passes of one grid cross it once each, those of
@@ -91,31 +91,12 @@ TEST(Graph, OwnGridsCrossTheBordersOfBlocks) {
   const Points points = sphere(20000);
   const ZOrderGrid grid{Eigen::Vector3f::Constant(-1), std::ldexp(1.F, -18)};  // x = 0 halves the block of 2^19 cells
   const auto crossing = [&](PassGrids grids) {
-    const auto edges = zorderGraph(points, grid, {4, 0, grids});
+    const auto edges = zorderGraph(points, grid, {4, grids});
     return std::count_if(edges.begin(), edges.end(),
                          [&](const Edge& e) { return (points(0, e.p) < 0) != (points(0, e.q) < 0); });
   };
   EXPECT_LT(crossing(PassGrids::kShared), 50);
   EXPECT_GT(crossing(PassGrids::kOwn), 150) << crossing(PassGrids::kOwn);
-}
-
-TEST(Graph, LongEdgeCountsLessAndConnects) {
-  Points points = Points::Zero(3, 12);  // two rows of 6 points 0.1 m apart, 1 m from row to row
-  for (int i = 0; i < 12; ++i) points(0, i) = 0.1F * static_cast<float>(i % 6) + (i < 6 ? 0.0F : 1.5F);
-  const auto edges = zorderGraph(points, kGrid, {1, 2.0});
-  ASSERT_EQ(edges.size(), 11U);
-  for (const Edge& edge : edges) {
-    const bool is_jump = edge.p < 6 && edge.q >= 6;  // 1 m, with a spacing of 0.1 m at both ends
-    EXPECT_NEAR(edge.weight, is_jump ? 0.04 : 1.0, 1e-4) << edge.p << " " << edge.q;
-  }
-}
-
-TEST(Graph, WeightIsNeverZero) {
-  Points points = Points::Zero(3, 8);
-  points.rightCols(4).setConstant(9000);  // duplicates, so the spacing is 0
-  const auto edges = zorderGraph(points, {Eigen::Vector3f::Zero(), 0.01F}, {4, 1.0});
-  for (const Edge& edge : edges) EXPECT_GE(edge.weight, 1e-6F);
-  EXPECT_EQ(connectedComponents(8, edges), std::vector<std::uint32_t>(8, 0));
 }
 
 TEST(Graph, ManyDuplicatesMakeOneChain) {
@@ -134,14 +115,13 @@ TEST(Graph, ComponentsOfAnUnknownNodeAreRefused) {
 }
 
 TEST(Graph, BadParameterIsRefused) {
-  EXPECT_THROW(zorderGraph(Points::Zero(3, 2), kGrid, {0, 0}), std::invalid_argument);
-  EXPECT_THROW(zorderGraph(Points::Zero(3, 2), kGrid, {5, 0}), std::invalid_argument);
-  EXPECT_THROW(zorderGraph(Points::Zero(3, 2), kGrid, {4, -1}), std::invalid_argument);
+  EXPECT_THROW(zorderGraph(Points::Zero(3, 2), kGrid, {0}), std::invalid_argument);
+  EXPECT_THROW(zorderGraph(Points::Zero(3, 2), kGrid, {5}), std::invalid_argument);
 }
 
 TEST(Graph, NoneAndOnePointHaveNoEdges) {
   EXPECT_TRUE(zorderGraph(Points(3, 0), kGrid, {}).empty());
-  EXPECT_TRUE(zorderGraph(Points::Zero(3, 1), kGrid, {4, 3.0}).empty());
+  EXPECT_TRUE(zorderGraph(Points::Zero(3, 1), kGrid, {4}).empty());
   EXPECT_TRUE(connectedComponents(0, {}).empty());
 }
 

@@ -140,7 +140,7 @@ TEST(Solve, ConsistentViewsAreReproduced) {
 TEST(Solve, SolversAgree) {
   const Scene scene = makeScene(1500, 10);
   const Fused data = fuseRobust(scene.observations, 2);
-  const OrderedGraph graph = orderedZorderGraph(scene.points, kGrid, {4, 3.0, PassGrids::kShared});
+  const OrderedGraph graph = orderedZorderGraph(scene.points, kGrid, {4, PassGrids::kShared});
   const auto gradients = edgeGradients(graph.edges, scene.observations, 0, data.observation_weights);
   const auto weights = dataWeights(scene.points, data, graph.edges, {});
   const auto system = assembleSystem(graph.edges, gradients.values, data.values, weights, 1);
@@ -162,19 +162,33 @@ TEST(Solve, ConjugateGradientsConvergeForExtremeParameters) {
   const Fused data = fuseMean(scene.observations);
   for (const double lambda : {1e-6, 100.0, 1e6}) {
     for (const double anchor_share : {0.0, 0.001, 1.0}) {
-      for (const double ratio : {0.0, 0.5}) {
-        SystemParams params;
-        params.lambda = lambda;
-        params.anchor_share = anchor_share;
-        params.min_data_weight = 0;
-        const GraphParams graph{4, ratio, PassGrids::kShared};
-        const Values a = solveValues(scene.points, scene.observations, data, kGrid, graph, params);
-        params.solver = SolverKind::kCholmod;
-        const Values b = solveValues(scene.points, scene.observations, data, kGrid, graph, params);
-        EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 0.05) << lambda << " " << anchor_share << " " << ratio;
-      }
+      SystemParams params;
+      params.lambda = lambda;
+      params.anchor_share = anchor_share;
+      params.min_data_weight = 0;
+      const GraphParams graph{4, PassGrids::kShared};
+      const Values a = solveValues(scene.points, scene.observations, data, kGrid, graph, params);
+      params.solver = SolverKind::kCholmod;
+      const Values b = solveValues(scene.points, scene.observations, data, kGrid, graph, params);
+      EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 0.05) << lambda << " " << anchor_share;
     }
   }
+}
+
+TEST(Solve, GridsFollowTheSolverUnlessTold) {
+  const Scene scene = makeScene(500, 10);
+  const Fused data = fuseMean(scene.observations);
+  const auto solve = [&](SolverKind solver, PassGrids grids) {
+    SystemParams params;
+    params.solver = solver;
+    return solveValues(scene.points, scene.observations, data, kGrid, {4, grids}, params);
+  };
+  for (const auto& [solver, grids] :
+       {std::pair(SolverKind::kConjugateGradients, PassGrids::kOwn),
+        std::pair(SolverKind::kCholmod, PassGrids::kShared), std::pair(SolverKind::kSpqr, PassGrids::kShared)}) {
+    EXPECT_EQ(solve(solver, PassGrids::kAuto), solve(solver, grids));
+  }
+  EXPECT_NE(solve(SolverKind::kCholmod, PassGrids::kOwn), solve(SolverKind::kCholmod, PassGrids::kShared));
 }
 
 TEST(DataWeights, ChunksDrawTheSameRandomAnchors) {

@@ -198,7 +198,7 @@ TEST_F(Colorize, WhatTheScanOfThatMomentSawThroughHidesNothingAndTakesNoColour) 
       const Eigen::Isometry3d sensor(Eigen::Translation3d(0, 0, 2));
       Recorder(scratch_ / name, "map", record_).addScan("lidar", scan_stamp, returns, sensor);
     }
-    params_.depth.use_scans = use_scans;
+    params_.record.scan_resolution = use_scans ? 0.5 : 0;
     const Recording recording = Recording::open(scratch_ / name);
     const ColorizeSummary summary = colorize(recording, params_, {});
     const Cloud cloud = colored(recording);

@@ -60,6 +60,12 @@ TEST(Params, UnknownNameSuggestsTheNearest) {
   EXPECT_TRUE(mentions(messageOf("voxelsize", "1"), "did you mean 'voxel_size'"));
 }
 
+TEST(Params, RemovedNameSaysWhatIsDoneInstead) {
+  EXPECT_TRUE(mentions(messageOf("use_scans", "false"), "use_scans is gone: scan_resolution=0"));
+  EXPECT_TRUE(mentions(messageOf("edge_length_ratio", "2"), "is gone"));
+  for (const auto& param : describeParams(Params{})) EXPECT_EQ(removedParam(param.name), "");
+}
+
 TEST(Params, UnknownWordListsTheAllowedOnes) {
   EXPECT_TRUE(mentions(messageOf("method", "best"), "default, paper, mean, median, closest"));
 }
