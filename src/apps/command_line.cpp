@@ -68,6 +68,9 @@ class Parser {
       } else if (argument == "--help" || argument == "-h") {
         line_.help = true;
         return line_;
+      } else if (argument == "--version") {
+        line_.version = true;
+        return line_;
       } else if (argument.size() > 1 && argument[0] == '-') {
         parseOption(argument);
       } else {
@@ -220,11 +223,15 @@ std::string helpText(const CommandSpec& spec) {
   out << (spec.takes_params ? " [name=value ...]" : "") << "\n\n" << spec.summary << "\n\nOptions:\n";
   for (const OptionSpec& option : spec.options) printRow(out, "--" + option.name + " " + option.value, option.help);
   printRow(out, "--help", "this text");
+  printRow(out, "--version", "the version of the package");
   if (spec.takes_params) {
-    out << "\nParameters, with their defaults (the same names as the node's):\n";
-    for (const ParamText& param : describeParams(spec.defaults))
-      printRow(out, param.name + "=" + param.value, param.help);
-    for (const ParamText& param : spec.other_params) printRow(out, param.name + "=" + param.value, param.help);
+    const auto print = [&](const ParamText& param) { printRow(out, param.name + "=" + param.value, param.help); };
+    const std::vector<ParamText> params = describeParams(spec.defaults);
+    out << "\nParameters that matter most, with their defaults (the same names as the node's):\n";
+    std::for_each(params.begin(), params.begin() + kNumMainParams, print);
+    out << "\nFurther parameters:\n";
+    std::for_each(params.begin() + kNumMainParams, params.end(), print);
+    std::for_each(spec.other_params.begin(), spec.other_params.end(), print);
   }
   out << "\nExit codes: 0 done, 1 failed, 2 bad command line, 130 cancelled by Ctrl-C.\n";
   return out.str();
@@ -261,6 +268,10 @@ int runMain(int argc, const char* const* argv, const CommandSpec& spec,
     const CommandLine line = parseCommandLine(argc, argv, spec);
     if (line.help) {
       std::cout << helpText(spec) << std::flush;
+      return 0;
+    }
+    if (line.version) {
+      std::cout << "cloud_colorizer " CLOUD_COLORIZER_VERSION << std::endl;
       return 0;
     }
     catchSignals();

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What all command line programs share: arguments, --help, progress on the terminal, Ctrl-C, exit codes. No ROS.
+/// What all command line programs share: arguments, --help, --version, progress on the terminal, Ctrl-C, exit codes. No
+/// ROS.
 ///
 ///   int main(int argc, char** argv) {
 ///     CommandSpec spec{"colorize", "Colours a recording.", "RECORDING", 1, 1, {{"output", "FILE", "the map", true}}};
@@ -18,7 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "cloud_colorizer/base/types.hpp"
+#include "base/param_text.hpp"
 #include "cloud_colorizer/map/params.hpp"
 
 namespace cloud_colorizer {
@@ -42,27 +43,46 @@ struct CommandSpec {
   bool takes_params = true;             ///< `name=value` sets a parameter; the help lists them all
 };
 
+/// A command line that is not understood; the message says what and how to get help.
+struct UsageError : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
+
 struct CommandLine {
   std::vector<std::string> positionals;
   std::map<std::string, std::string> options;  ///< by name; a given flag is "true"
   Params params;
   std::map<std::string, std::string> others;  ///< given values of other_params, and of all names `camera_<i>/...`
-  bool help = false;
+  bool help = false, version = false;
 
   bool has(const std::string& name) const { return options.count(name) != 0; }
   std::string option(const std::string& name, const std::string& otherwise = "") const;
-};
 
-/// A command line that is not understood; the message says what and how to get help.
-struct UsageError : std::invalid_argument {
-  using std::invalid_argument::invalid_argument;
+  /// An option as a number, a word or what else parseValue() knows. Throws UsageError.
+  template <class T>
+  T value(const std::string& name, const T& otherwise) const {
+    return has(name) ? list<T>(name, "", '\0', 1).front() : otherwise;
+  }
+  /// Values between separators; `count` of them, or any number where it is 0. Throws UsageError.
+  template <class T>
+  std::vector<T> list(const std::string& name, const std::string& otherwise, char separator, std::size_t count) const {
+    const std::string text = option(name, otherwise);
+    try {
+      std::vector<T> values = parseList<T>("option --" + name, text, separator);
+      require<UsageError>(count == 0 || values.size() == count, "option --", name, " = '", text, "' must be ", count,
+                          " values with '", separator, "' between");
+      return values;
+    } catch (const std::invalid_argument& error) {
+      throw UsageError(error.what());
+    }
+  }
 };
 
 /// Throws UsageError: unknown option, missing value or required option, wrong number of positionals, or a parameter
 /// that Params refuses. An argument is a parameter where it reads `name=`, so a file like that is given as `./a=b`.
 CommandLine parseCommandLine(int argc, const char* const* argv, const CommandSpec& spec);
 
-/// Usage, options, parameters with defaults, exit codes.
+/// Usage, options, parameters with defaults (those that matter most first), exit codes.
 std::string helpText(const CommandSpec& spec);
 
 /// One line: "colour  45 % (9 of 20 chunks), 210000 points/s, 12 s left".

@@ -34,7 +34,7 @@ CommandSpec simulateSpec() {
   spec.takes_params = false;
   spec.options = {{"output", "DIR", "is made when missing; files of these names in it are replaced", true},
                   {"threads", "N", "0: one a core (0)"}};
-  for (const OptionText& option : describeOptions(Options{})) {
+  for (const ParamText& option : describeOptions(Options{})) {
     const bool is_switch = option.value == "false";
     spec.options.push_back({option.name, is_switch ? "" : "VALUE", option.help + " (" + option.value + ")"});
   }
@@ -50,9 +50,7 @@ struct Arguments {
 Arguments argumentsOf(const CommandLine& line) {
   Arguments arguments;
   try {
-    Options number;  // lends its parsing of whole numbers
-    setOption(number, "seed", line.option("threads", "0"));
-    arguments.threads = number.seed;
+    arguments.threads = line.value("threads", 0);
     requireInRange("threads", arguments.threads, 0, 1024);
     for (const auto& [name, value] : line.options) {
       if (name != "output" && name != "threads") setOption(arguments.options, name, value);

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "cloud_colorizer/base/types.hpp"
+
 namespace cloud_colorizer::simulation {
 
 struct Options {
@@ -81,10 +83,7 @@ void visitOptions(Options_& o, F&& f) {
 /// Sets one option from text. Throws std::invalid_argument: unknown name, no number.
 void setOption(Options& options, const std::string& name, const std::string& text);
 
-struct OptionText {
-  std::string name, value, help;
-};
-std::vector<OptionText> describeOptions(const Options& options);
+std::vector<ParamText> describeOptions(const Options& options);
 
 /// The options of a drive from its scene.yaml, so that its scene and truth can be built again.
 /// Throws std::runtime_error with file and reason.

@@ -81,7 +81,7 @@ void writeTruePoses(const Drive& drive, const std::string& path) {
 void writeSceneFile(const Drive& drive, const std::string& path) {
   std::ostringstream file;
   file << "# A simulated drive. The same options make the same files again.\noptions:\n" << std::setprecision(12);
-  for (const OptionText& option : describeOptions(drive.options())) {
+  for (const ParamText& option : describeOptions(drive.options())) {
     file << "  " << option.name << ": " << option.value << "  # " << option.help << '\n';
   }
   file << "# [tx, ty, tz, qx, qy, qz, qw] of base_link from the camera's optical frame\ncameras:\n";

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <csignal>
 
 #include "cloud_colorizer/base/check.hpp"
@@ -72,6 +73,37 @@ TEST(CommandLine, HelpListsEveryParameterAndNeedsNoOtherArgument) {
   EXPECT_TRUE(parse({"--help"}).help);
   const std::string help = helpText(exampleSpec());
   for (const ParamText& param : describeParams(Params{})) EXPECT_NE(help.find(param.name + "="), std::string::npos);
+}
+
+TEST(CommandLine, HelpShowsTheMainParametersBeforeTheOthers) {
+  std::vector<std::string> main;
+  Params params;
+  visitMainParams(params, [&](const char* name, const auto&, const char*) { main.emplace_back(name); });
+  EXPECT_EQ(main.size(), static_cast<std::size_t>(kNumMainParams));
+  const std::string help = helpText(exampleSpec());
+  const std::size_t further = help.find("Further parameters");
+  ASSERT_NE(further, std::string::npos);
+  for (const ParamText& param : describeParams(Params{})) {
+    const bool is_main = std::find(main.begin(), main.end(), param.name) != main.end();
+    EXPECT_EQ(help.find("\n  " + param.name + "=") < further, is_main) << param.name;
+  }
+}
+
+TEST(CommandLine, OptionsAreReadAsValues) {
+  CommandLine line;
+  line.options = {{"size", "960x540"}, {"eye", "1,-2.5,inf"}, {"every", "8"}, {"bad", "8m"}};
+  EXPECT_EQ(line.list<int>("size", "", 'x', 2), (std::vector<int>{960, 540}));
+  EXPECT_EQ(line.list<double>("eye", "", ',', 3)[1], -2.5);
+  EXPECT_EQ(line.list<double>("target", "1,2", ',', 0), (std::vector<double>{1, 2}));
+  EXPECT_EQ(line.value("every", 3), 8);
+  EXPECT_EQ(line.value("missing", 3.5), 3.5);
+  EXPECT_THROW(line.value("bad", 1.0), UsageError);
+  EXPECT_THROW(line.list<double>("eye", "", ',', 2), UsageError);
+}
+
+TEST(CommandLine, VersionNeedsNoOtherArgument) {
+  EXPECT_TRUE(parse({"--version"}).version);
+  EXPECT_EQ(run({"--version"}, [](auto&, auto&) { FAIL(); }), 0);
 }
 
 TEST(CommandLine, ExitCodes) {

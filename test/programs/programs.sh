@@ -12,6 +12,7 @@ expect 0 '--cloud.*--images.*--model.*--output' colorize_map --help
 expect 0 'RECORDING --output' colorize --help
 expect 0 '--output.*--eye.*--field' render_map --help
 expect 0 '--frames' simulate --help
+expect 0 '^cloud_colorizer [0-9]+\.[0-9]+\.[0-9]+$' colorize --version
 expect 0 'score' evaluate --help
 for command in tables ablations heldout score visibility; do expect 0 "Usage: evaluate $command" evaluate $command --help; done
 for program in colorize_bag colorize_map colorize; do

@@ -72,7 +72,8 @@ void visitAlignmentParams(AlignmentParamsT& p, F&& f) {
   f("time_offset_prior", p.time_offset_prior, "s, expected error of a camera's clock");
 }
 
-/// The ten that matter most.
+/// Those that matter most.
+constexpr int kNumMainParams = 10;
 template <class ParamsT, class F>
 void visitMainParams(ParamsT& p, F&& f) {
   f("method", p.colorize.method, "default, paper, mean, median or closest");
