@@ -52,7 +52,7 @@ struct AlignmentInput {
   std::function<std::shared_ptr<const DepthImage>(std::size_t view, const Eigen::Isometry3d& map_from_camera)> depth;
   DepthParams depth_params;
   int num_threads = 0;         ///< 0: one a core
-  double memory_limit = 1000;  ///< MB for what the views see and for blurred images that are kept between rounds
+  double memory_limit = 1000;  ///< MB; blurred images are kept between rounds in half of it. Changes no result
 };
 
 struct ViewAlignment {

@@ -14,10 +14,11 @@
 namespace cloud_colorizer::alignment {
 namespace {
 
-constexpr double kCoarsestBlur = 8;     // px: beyond it too little texture is left
-constexpr double kBlurRatio = 0.6;      // from one level to the next
-constexpr double kBytesPerSight = 200;  // with its equations; counted, rounded up
-constexpr double kSightsShare = 0.5;    // of the memory; the rest is for blurred images
+constexpr double kCoarsestBlur = 8;  // px: beyond it too little texture is left
+constexpr double kBlurRatio = 0.6;   // from one level to the next
+// Of all views together: 450 MB with their equations, whatever memory_limit is, for the result must not depend on it.
+constexpr double kMaxSights = 2.25e6;
+constexpr double kMinPoints = 100;      // of a view, however many there are
 constexpr std::size_t kMinShared = 60;  // points that a view must share with others
 
 }  // namespace
@@ -28,9 +29,8 @@ Aligner::Aligner(const AlignmentInput& input, const AlignmentParams& params, con
       workers_(input.num_threads, callbacks),
       runs_(makeRuns(input.points, input.surfels)),
       sights_(input.views.size()) {
-  const double room = kSightsShare * 1e6 * input.memory_limit / kBytesPerSight;
-  const double points = room / static_cast<double>(std::max<std::size_t>(1, input.views.size()));
-  max_points_ = static_cast<std::size_t>(std::clamp<double>(points, 100, params.alignment_points));
+  const double points = kMaxSights / static_cast<double>(std::max<std::size_t>(1, input.views.size()));
+  max_points_ = static_cast<std::size_t>(std::clamp<double>(points, kMinPoints, params.alignment_points));
   state_.views.assign(input.views.size(), Twist::Zero());
   state_.cameras.assign(input.cameras.size(), Twist::Zero());
   state_.time_offsets.assign(input.cameras.size(), 0);

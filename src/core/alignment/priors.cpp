@@ -91,26 +91,28 @@ PosePriors makePriors(const AlignmentInput& input, const AlignmentParams& params
 
 void learnSteps(const std::vector<View>& views, const PoseState& state, PosePriors& priors) {
   constexpr std::size_t kMinSteps = 10;  // that tell a spread
-  constexpr double kLeast = 0.05;        // of a view's prior
-  std::vector<Twist> step_sigmas;
+  constexpr double kLeast = 0.05;        // of the mean prior of the camera's views
+  std::vector<Twist> step_sigmas(state.cameras.size(), Twist::Constant(INFINITY));
+  bool any = false;
   for (std::size_t c = 0; c < state.cameras.size(); ++c) {
     std::array<std::vector<float>, 6> sizes;
-    Twist least = Twist::Zero();
+    Twist prior = Twist::Zero();
     for (std::size_t v = 0; v < views.size(); ++v) {
       if (views[v].camera != c || priors.previous[v] == v) continue;
       const Twist step = state.views[v] - state.views[priors.previous[v]];
       for (Eigen::Index i = 0; i < 6; ++i)
         sizes[static_cast<std::size_t>(i)].push_back(std::abs(static_cast<float>(step[i])));
-      least = kLeast * priors.view_sigmas[v];
+      prior += priors.view_sigmas[v];
     }
-    if (sizes[0].size() < kMinSteps) return;
-    Twist sigmas;
+    const std::size_t count = sizes[0].size();
+    if (count < kMinSteps) continue;
+    any = true;
     for (Eigen::Index i = 0; i < 6; ++i) {
-      sigmas[i] = std::max(least[i], kMadToSigma * static_cast<double>(median(sizes[static_cast<std::size_t>(i)])));
+      const double measured = kMadToSigma * static_cast<double>(median(sizes[static_cast<std::size_t>(i)]));
+      step_sigmas[c][i] = std::max(kLeast * prior[i] / static_cast<double>(count), measured);
     }
-    step_sigmas.push_back(sigmas);
   }
-  priors.step_sigmas = std::move(step_sigmas);
+  if (any) priors.step_sigmas = std::move(step_sigmas);
 }
 
 }  // namespace cloud_colorizer::alignment

@@ -24,15 +24,6 @@ PoseState stepped(const PoseState& state, const Eigen::VectorXd& step, const Pri
   return next;
 }
 
-double largestStep(const Eigen::VectorXd& step, const std::vector<View>& views, const PosePriors& priors) {
-  double largest = 0;
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    const Twist scaled = step.segment<6>(static_cast<Eigen::Index>(6 * v)).cwiseQuotient(priors.camera_sigmas[0]);
-    largest = std::max(largest, scaled.cwiseAbs().maxCoeff());
-  }
-  return largest;
-}
-
 std::vector<double> timeStddevs(const PoseSystem& system, const PriorTerms& terms, std::size_t num_cameras) {
   Eigen::MatrixXd units = Eigen::MatrixXd::Zero(terms.size(), static_cast<Eigen::Index>(num_cameras));
   const auto row = [&](std::size_t c) { return terms.cameraBase(c) + 6; };
@@ -46,6 +37,16 @@ std::vector<double> timeStddevs(const PoseSystem& system, const PriorTerms& term
 }
 
 }  // namespace
+
+double largestStep(const Eigen::VectorXd& step, const std::vector<View>& views, const PosePriors& priors) {
+  double largest = 0;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const Twist scaled =
+        step.segment<6>(static_cast<Eigen::Index>(6 * v)).cwiseQuotient(priors.camera_sigmas[views[v].camera]);
+    largest = std::max(largest, scaled.cwiseAbs().maxCoeff());
+  }
+  return largest;
+}
 
 PoseRounds refinePoses(const PoseData& data, const PosePriors& priors, PoseState& state) {
   constexpr int kRounds = 4;            // the next, finer blur goes on from there

@@ -30,6 +30,8 @@ struct PoseRounds {
   std::vector<double> time_stddevs;  ///< s, by camera
   int accepted = 0;
 };
+/// Largest part of a step of the views' corrections, in sigmas of their own camera's prior.
+double largestStep(const Eigen::VectorXd& step, const std::vector<View>& views, const PosePriors& priors);
 /// Some Levenberg-Marquardt steps.
 PoseRounds refinePoses(const PoseData& data, const PosePriors& priors, PoseState& state);
 

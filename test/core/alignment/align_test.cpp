@@ -237,6 +237,21 @@ TEST(Alignment, SameForAnyNumberOfThreads) {
   }
 }
 
+TEST(Alignment, SameForAnyMemory) {
+  ReliefViews scene(5);
+  scene.disturbPoses(0.3, 0.01, 4);
+  scene.render(2);
+  AlignmentInput input = scene.input();
+  input.memory_limit = 1000;
+  const AlignmentResult much = align(input, looseParams(), {});
+  input.memory_limit = 0.1;  // MB: room for 100 points of each view, and for one blurred image
+  const AlignmentResult little = align(input, looseParams(), {});
+  for (std::size_t v = 0; v < much.views.size(); ++v) {
+    EXPECT_EQ(much.views[v].map_from_camera.matrix(), little.views[v].map_from_camera.matrix());
+    EXPECT_TRUE((much.views[v].exposure.gain == little.views[v].exposure.gain).all());
+  }
+}
+
 TEST(Alignment, BlurredViewWeighsLess) {
   ReliefViews scene(6);
   scene.render(1);

@@ -70,6 +70,41 @@ TEST(AlignmentPriors, SmoothCorrectionsMakeTightStepsAndNoiseLooseOnes) {
   }
 }
 
+TEST(AlignmentPriors, ACameraWithFewStepsDoesNotLoosenTheOthers) {
+  AlignmentInput input = driveInput();
+  for (std::size_t v = 0; v < kViews; ++v) input.views[v].camera = v % 2 == 1 && v < 10 ? 1 : 0;
+  PosePriors priors = drivePriors(input);
+  const PoseState state = zeroState(input);
+  learnSteps(input.views, state, priors);
+  ASSERT_EQ(priors.step_sigmas.size(), 2U);
+  EXPECT_LT(priors.step_sigmas[0].maxCoeff(), 1);
+  EXPECT_EQ(priors.step_sigmas[1].minCoeff(), INFINITY);
+  const PriorTerms terms(input.views, priors);
+  PoseState moved = state;
+  moved.views[3].setConstant(100);  // of camera 1: nothing but its own prior holds it
+  EXPECT_NEAR(terms.cost(moved), 0.5 * terms.deviation(moved, 3).squaredNorm(), 1e-9 * terms.cost(moved));
+}
+
+TEST(AlignmentPriors, LeastStepIsThatOfAllViewsOfTheCamera) {
+  AlignmentInput input = driveInput();
+  std::vector<double> depths(input.views.size(), 10);
+  depths[kViews - 1] = depths[kViews - 2] = 1000;  // the last view of each camera looks far
+  PosePriors priors = makePriors(input, AlignmentParams{}, depths);
+  learnSteps(input.views, zeroState(input), priors);
+  ASSERT_EQ(priors.step_sigmas.size(), 2U);
+  for (const Twist& sigma : priors.step_sigmas) EXPECT_LT(sigma[3], 0.1 * 0.05 * priors.view_sigmas[kViews - 1][3]);
+}
+
+TEST(AlignmentPriors, AStepIsMeasuredByThePriorOfItsOwnCamera) {
+  const AlignmentInput input = driveInput();
+  PosePriors priors = drivePriors(input);
+  priors.camera_sigmas[0].setConstant(10);
+  priors.camera_sigmas[1].setConstant(0.1);
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(6 * input.views.size()));
+  step[6 * 3] = 0.5;  // a view of camera 1
+  EXPECT_EQ(largestStep(step, input.views, priors), 5);
+}
+
 TEST(AlignmentPriors, FewViewsTeachNothing) {
   AlignmentInput input = driveInput();
   input.views.resize(10);
