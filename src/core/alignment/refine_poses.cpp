@@ -89,13 +89,6 @@ GreyValues greyValues(const PoseData& data, const PoseState& state) {
   return {std::move(equations.values), std::move(equations.weights)};
 }
 
-StateCost stateCost(const PoseData& data, const PoseState& state, const StateCost& like) {
-  PoseEquations scales;
-  scales.scale = like.scale;
-  const PoseEquations equations = poseEquations(data, state, scales);
-  return {equations.weight > 0 ? equations.cost / equations.weight : 0, equations.scale};
-}
-
 double searchTimeOffset(const PoseData& data, const PosePriors& priors, const PoseState& state) {
   constexpr int kSteps = 12;  // to either side
   double fastest = 0, prior = 0;
@@ -103,13 +96,13 @@ double searchTimeOffset(const PoseData& data, const PosePriors& priors, const Po
   for (const double sigma : priors.time_sigmas) prior = std::max(prior, sigma);
   if (!(fastest > 0)) return 0;
   const double step = 4 * prior / kSteps;
-  StateCost like;
+  PoseEquations like;  // the first scale counts for all, so that their costs can be compared
   const auto costAt = [&](double offset) {
     PoseState moved = state;
     for (std::size_t v = 0; v < moved.views.size(); ++v) moved.views[v] += offset * priors.velocities[v];
-    const StateCost cost = stateCost(data, moved, like);
-    if (like.scale <= 0) like = cost;
-    return cost.cost;
+    const PoseEquations equations = poseEquations(data, moved, like);
+    if (like.scale <= 0) like.scale = equations.scale;
+    return equations.weight > 0 ? equations.cost / equations.weight : 0;
   };
   double best = 0, least = costAt(0);
   for (int i = -kSteps; i <= kSteps; ++i) {

@@ -35,14 +35,6 @@ double largestStep(const Eigen::VectorXd& step, const std::vector<View>& views, 
 /// Some Levenberg-Marquardt steps.
 PoseRounds refinePoses(const PoseData& data, const PosePriors& priors, PoseState& state);
 
-/// Cost of a state, for comparisons between states that are far apart. `like`: the result for the state to compare
-/// with, or a default one.
-struct StateCost {
-  double cost = 0;  ///< per unit of weight, without priors; lower is better
-  float scale = 0;  ///< grey levels, of the robust weights
-};
-StateCost stateCost(const PoseData& data, const PoseState& state, const StateCost& like);
-
 /// Tries time offsets that all cameras share, within +-4 of their priors' sigma, and returns the best, s; 0 when
 /// nothing moves. The capture range of Gauss-Newton is some pixels; a clock can be off by much more.
 double searchTimeOffset(const PoseData& data, const PosePriors& priors, const PoseState& state);

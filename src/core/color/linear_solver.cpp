@@ -2,13 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_colorizer/color/linear_solver.hpp"
 
-#include <cholmod.h>
-
-#include <SuiteSparseQR.hpp>
-#include <algorithm>
-#include <cmath>
-#include <cstring>
-#include <limits>
+#include <Eigen/CholmodSupport>
+#include <Eigen/SPQRSupport>
 #include <utility>
 #include <vector>
 
@@ -39,23 +34,6 @@ void checkStatus(int status, Eigen::Index size) {
   require(status >= CHOLMOD_OK, "CHOLMOD failed with status ", status, " on ", size, " points");
 }
 
-cholmod_dense denseView(const Eigen::MatrixXd& matrix) {
-  cholmod_dense view{};
-  view.nrow = static_cast<std::size_t>(matrix.rows());
-  view.ncol = static_cast<std::size_t>(matrix.cols());
-  view.nzmax = view.nrow * view.ncol;
-  view.d = view.nrow;
-  view.x = const_cast<double*>(matrix.data());  // CHOLMOD reads only
-  view.xtype = CHOLMOD_REAL;
-  view.dtype = CHOLMOD_DOUBLE;
-  return view;
-}
-
-Eigen::MatrixXd copyDense(const cholmod_dense& dense) {
-  return Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(dense.x), static_cast<Eigen::Index>(dense.nrow),
-                                           static_cast<Eigen::Index>(dense.ncol));
-}
-
 class ConjugateGradientsImpl : public LinearSolver::Impl {
  public:
   explicit ConjugateGradientsImpl(const Lower& lower) : Impl(lower.cols()), gradients_(lower) {}
@@ -72,124 +50,71 @@ class ConjugateGradientsImpl : public LinearSolver::Impl {
 /// dense blocks for a BLAS. For any other graph CHOLMOD chooses the ordering and the kind of factor.
 class CholmodImpl : public LinearSolver::Impl {
  public:
-  CholmodImpl(const Lower& lower, const std::vector<int>& order) : Impl(lower.cols()) {
-    cholmod_start(&common_);
-    common_.print = 0;
-    common_.final_ll = 1;  // L D L' would accept an indefinite matrix
+  CholmodImpl(const Lower& lower, const std::vector<int>& order) : Impl(lower.cols()), permutation_(lower.cols()) {
+    cholmod_common& common = factor_.cholmod();
+    common.print = 0;
     if (order.empty()) {
-      common_.supernodal = CHOLMOD_AUTO;
-    } else {
-      common_.supernodal = CHOLMOD_SIMPLICIAL;
-      common_.nmethods = 1;
-      common_.method[0].ordering = CHOLMOD_GIVEN;
+      factor_.setMode(Eigen::CholmodAuto);
+      common.final_ll = 1;  // L D L' would accept an indefinite matrix
+      permutation_.setIdentity();
+      factor(lower);
+      return;
     }
-    try {
-      factor(lower, order);
-    } catch (...) {
-      release();
-      throw;
-    }
+    factor_.setMode(Eigen::CholmodSimplicialLLt);
+    common.nmethods = 1;
+    common.method[0].ordering = CHOLMOD_NATURAL;  // of what is permuted already
+    common.postorder = 0;
+    for (std::size_t i = 0; i < order.size(); ++i) permutation_.indices()[order[i]] = static_cast<int>(i);
+    Lower permuted(size, size);
+    permuted.selfadjointView<Eigen::Lower>() = lower.selfadjointView<Eigen::Lower>().twistedBy(permutation_);
+    factor(Lower(permuted.transpose()).transpose());  // twice, to sort the rows
   }
-  ~CholmodImpl() override { release(); }
 
   Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Eigen::MatrixXd&) override {
-    cholmod_dense view = denseView(rhs);
-    cholmod_dense* solution = cholmod_solve(CHOLMOD_A, factor_, &view, &common_);
-    checkStatus(common_.status, size);
-    require(solution != nullptr, "CHOLMOD could not solve for ", size, " points");
-    Eigen::MatrixXd result = copyDense(*solution);
-    cholmod_free_dense(&solution, &common_);
-    return result;
+    const Eigen::MatrixXd solution = factor_.solve(permutation_ * rhs);
+    checkStatus(factor_.cholmod().status, size);
+    return permutation_.transpose() * solution;
   }
 
  private:
-  void factor(const Lower& lower, const std::vector<int>& order) {
-    cholmod_sparse view{};
-    view.nrow = view.ncol = static_cast<std::size_t>(lower.cols());
-    view.nzmax = static_cast<std::size_t>(lower.nonZeros());
-    view.p = const_cast<int*>(lower.outerIndexPtr());
-    view.i = const_cast<int*>(lower.innerIndexPtr());
-    view.x = const_cast<double*>(lower.valuePtr());
-    view.stype = -1;
-    view.itype = CHOLMOD_INT;
-    view.xtype = CHOLMOD_REAL;
-    view.dtype = CHOLMOD_DOUBLE;
-    view.sorted = view.packed = 1;
-    int* given = order.empty() ? nullptr : const_cast<int*>(order.data());
-    factor_ = cholmod_analyze_p(&view, given, nullptr, 0, &common_);
-    checkStatus(common_.status, size);
-    cholmod_factorize(&view, factor_, &common_);
-    checkStatus(common_.status, size);
-    requireRegular(cholmod_rcond(factor_, &common_) > kSingular, size, "singular");
+  struct Factor : Eigen::CholmodDecomposition<Lower, Eigen::Lower> {
+    double reciprocalCondition() { return cholmod_rcond(m_cholmodFactor, &cholmod()); }
+  };
+
+  void factor(const Lower& lower) {
+    factor_.analyzePattern(lower);
+    checkStatus(factor_.cholmod().status, size);
+    factor_.factorize(lower);
+    checkStatus(factor_.cholmod().status, size);
+    requireRegular(factor_.reciprocalCondition() > kSingular, size, "singular");
   }
 
-  void release() {
-    cholmod_free_factor(&factor_, &common_);
-    cholmod_finish(&common_);
-  }
-
-  cholmod_common common_{};
-  cholmod_factor* factor_ = nullptr;
+  Eigen::PermutationMatrix<Eigen::Dynamic> permutation_;
+  Factor factor_;
 };
 
 /// Q R of A. SuiteSparseQR has 64-bit indices only, and needs the whole matrix.
 class SpqrImpl : public LinearSolver::Impl {
  public:
   explicit SpqrImpl(const Lower& lower) : Impl(lower.cols()) {
-    cholmod_l_start(&common_);
-    common_.print = 0;
     const Lower whole = lower.selfadjointView<Eigen::Lower>();
-    const std::vector<SuiteSparse_long> columns(whole.outerIndexPtr(), whole.outerIndexPtr() + whole.cols() + 1);
-    const std::vector<SuiteSparse_long> rows(whole.innerIndexPtr(), whole.innerIndexPtr() + whole.nonZeros());
-    try {
-      factor(whole, columns, rows);
-    } catch (...) {
-      release();
-      throw;
-    }
+    factor_.cholmodCommon()->print = 0;
+    factor_.setPivotThreshold(kSingular * whole.coeffs().abs().maxCoeff());
+    factor_.compute(whole);
+    checkStatus(factor_.cholmodCommon()->status, size);
+    require(factor_.info() == Eigen::Success, "SuiteSparseQR could not factor ", size, " points");
+    requireRegular(factor_.rank() >= size, size, "singular");
   }
-  ~SpqrImpl() override { release(); }
 
   Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Eigen::MatrixXd&) override {
-    cholmod_dense view = denseView(rhs);
-    cholmod_dense* rotated = SuiteSparseQR_qmult<double>(SPQR_QTX, factor_, &view, &common_);
-    checkStatus(common_.status, size);
-    cholmod_dense* solution = SuiteSparseQR_solve<double>(SPQR_RETX_EQUALS_B, factor_, rotated, &common_);
-    cholmod_l_free_dense(&rotated, &common_);
-    checkStatus(common_.status, size);
-    require(solution != nullptr, "SuiteSparseQR could not solve for ", size, " points");
-    Eigen::MatrixXd result = copyDense(*solution);
-    cholmod_l_free_dense(&solution, &common_);
-    return result;
+    Eigen::MatrixXd solution(size, rhs.cols());
+    for (Eigen::Index c = 0; c < rhs.cols(); ++c) solution.col(c) = factor_.solve(rhs.col(c));
+    checkStatus(factor_.cholmodCommon()->status, size);
+    return solution;
   }
 
  private:
-  void factor(const Lower& whole, const std::vector<SuiteSparse_long>& columns,
-              const std::vector<SuiteSparse_long>& rows) {
-    cholmod_sparse view{};
-    view.nrow = view.ncol = static_cast<std::size_t>(whole.cols());
-    view.nzmax = rows.size();
-    view.p = const_cast<SuiteSparse_long*>(columns.data());
-    view.i = const_cast<SuiteSparse_long*>(rows.data());
-    view.x = const_cast<double*>(whole.valuePtr());
-    view.itype = CHOLMOD_LONG;
-    view.xtype = CHOLMOD_REAL;
-    view.dtype = CHOLMOD_DOUBLE;
-    view.sorted = view.packed = 1;
-    const double largest = Eigen::Map<const Eigen::ArrayXd>(whole.valuePtr(), whole.nonZeros()).abs().maxCoeff();
-    factor_ = SuiteSparseQR_factorize<double>(SPQR_ORDERING_DEFAULT, kSingular * largest, &view, &common_);
-    checkStatus(common_.status, size);
-    require(factor_ != nullptr, "SuiteSparseQR could not factor ", size, " points");
-    requireRegular(factor_->rank >= whole.cols(), size, "singular");
-  }
-
-  void release() {
-    SuiteSparseQR_free<double>(&factor_, &common_);
-    cholmod_l_finish(&common_);
-  }
-
-  cholmod_common common_{};
-  SuiteSparseQR_factorization<double>* factor_ = nullptr;
+  Eigen::SPQR<Lower> factor_;
 };
 
 void checkLower(const Lower& lower) {

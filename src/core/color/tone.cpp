@@ -31,10 +31,10 @@ ToneCells blurred(const ToneCells& samples) {
   return blurred;
 }
 
-/// The cells whose centres surround some points, as one block.
-class Block {
+/// The cells whose centres surround some points, as one grid.
+class CellGrid {
  public:
-  Block(PointsRef points, double cell, const std::map<ToneCell, float>& log_factors) : scale_(1 / cell) {
+  CellGrid(PointsRef points, double cell, const std::map<ToneCell, float>& log_factors) : scale_(1 / cell) {
     const Eigen::Array3d low = points.rowwise().minCoeff().cast<double>();
     const Eigen::Array3d high = points.rowwise().maxCoeff().cast<double>();
     low_ = (low * scale_ - 0.5).floor();
@@ -109,7 +109,7 @@ ToneField::ToneField(const ToneCells& samples, double cell, const ToneParams& pa
 
 void ToneField::apply(PointsRef points, Values& values) const {
   if (log_factors_.empty() || points.cols() == 0) return;
-  const Block block(points, cell_, log_factors_);
+  const CellGrid block(points, cell_, log_factors_);
   for (Eigen::Index i = 0; i < points.cols(); ++i) values.col(i) *= std::exp(block.logFactorAt(points.col(i)));
 }
 
