@@ -42,8 +42,7 @@ Channels sampleChannels(const AlignmentInput& input, const Tracks& tracks, const
       cv::Mat plane;
       cv::extractChannel(*image, plane, std::min(c, image->channels() - 1));
       const BlurredImage blurred = blurImage(plane, mask.get(), sigma);
-      forEachSight(input, tracks, state, v, [&](auto k, const auto&, const auto& projected) {
-        if (tracks.sights[k].edge_distance < 1.5 * sigma) return;
+      forEachSight(input, tracks, state, v, 1.5 * sigma, [&](auto k, const auto&, const auto& projected) {
         const GreySample sample = sampleGrey(blurred, projected.pixel);
         if (!sample.valid || !(sample.value > 1)) return;
         channels[static_cast<std::size_t>(c)].values[k] = sample.value;
@@ -60,7 +59,7 @@ void brighten(const AlignmentInput& input, const Tracks& tracks, const PoseState
   workers.forEach(tracks.numViews(), [&](std::size_t v) {
     const Intrinsics& intrinsics = input.cameras[input.views[v].camera].intrinsics();
     const auto width = static_cast<float>(intrinsics.width), height = static_cast<float>(intrinsics.height);
-    forEachSight(input, tracks, state, v, [&](auto k, const auto&, const auto& projected) {
+    forEachSight(input, tracks, state, v, 0, [&](auto k, const auto&, const auto& projected) {
       const Eigen::Vector2f at = projected.pixel.template cast<float>();
       const float factor = exposures[v].brightening(at.x(), at.y(), width, height);
       for (Channel& channel : channels) channel.values[k] *= factor;
@@ -113,8 +112,7 @@ std::vector<float> sharpnessWeights(const AlignmentInput& input, const Tracks& t
     const auto mask = loadMask(input, v);
     const BlurredImage blurred = blurImage(*loadImage(input, v), mask.get(), kSigma);
     const float gain = exposures[v].gain.size() > 0 ? exposures[v].gain.mean() : 1.0F;
-    forEachSight(input, tracks, state, v, [&](auto k, const auto&, const auto& projected) {
-      if (tracks.sights[k].edge_distance < 3 * kSigma) return;
+    forEachSight(input, tracks, state, v, 3 * kSigma, [&](auto k, const auto&, const auto& projected) {
       const GreySample sample = sampleGrey(blurred, projected.pixel);
       if (!sample.valid) return;
       channel.values[k] = std::max(0.1F, gain * sample.gradient.norm());

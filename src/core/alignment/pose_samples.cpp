@@ -14,47 +14,6 @@ constexpr float kNoiseShare = 0.3F;  // of the residuals; the rest is what image
 constexpr double kBlockSigmas = 10;  // side of the blocks that local means are taken in
 constexpr double kBlocksAcross = 16;
 
-// The observations of one view, as they enter the equations.
-class ViewSampler {
- public:
-  ViewSampler(const PoseData& data, std::size_t view, const Twist& correction)
-      : data_(data),
-        camera_(data.input->cameras[data.input->views[view].camera]),
-        camera_from_map_(correctedPose(data.input->views[view], correction).inverse()),
-        translation_(correction.tail<3>()),
-        image_(data.images->get(view)) {}
-
-  struct Row {
-    float value = 0, weight = 0;
-    Eigen::Matrix<float, 6, 1> jacobian = Eigen::Matrix<float, 6, 1>::Zero();
-    Eigen::Vector2d pixel{0, 0};
-  };
-
-  Row operator()(const Sight& sight) const {
-    Row row;
-    if (sight.edge_distance < kEdgeMargin * data_.sigma) return row;
-    const Eigen::Vector3d local = camera_from_map_ * data_.input->points.col(sight.point).cast<double>();
-    const auto projected = camera_.linearize(local);
-    if (!projected) return row;
-    const GreySample grey = sampleGrey(*image_, projected->pixel);
-    if (!grey.valid) return row;
-    const Eigen::RowVector3d by_point = grey.gradient.cast<double>().transpose() * projected->jacobian;
-    const Eigen::Vector3d lever = local - translation_;  // rotations turn about the uncorrected centre
-    row.value = grey.value;
-    row.weight = sight.weight;
-    row.pixel = projected->pixel;
-    row.jacobian << lever.cross(by_point.transpose()).cast<float>(), by_point.transpose().cast<float>();
-    return row;
-  }
-
- private:
-  const PoseData& data_;
-  const Camera& camera_;
-  Eigen::Isometry3d camera_from_map_;
-  Eigen::Vector3d translation_;
-  std::shared_ptr<const BlurredImage> image_;
-};
-
 // Share of the observations that are independent: neighbours under one blur say the same.
 class CellCounter {
  public:
@@ -98,20 +57,26 @@ ViewEquations viewEquations(const PoseData& data, const PoseState& state) {
                         std::vector<Eigen::Matrix<float, 6, 1>>(count, Eigen::Matrix<float, 6, 1>::Zero())};
   data.workers->forEach(tracks.numViews(), [&](std::size_t v) {
     if (tracks.offsets[v] == tracks.offsets[v + 1]) return;
-    const ViewSampler sampler(data, v, state.views[v]);
+    const auto image = data.images->get(v);
+    const Eigen::Vector3d center = state.views[v].tail<3>();  // rotations turn about the uncorrected centre
     const auto gain = static_cast<float>(std::exp((*data.log_gains)[static_cast<Eigen::Index>(v)]));
     const Intrinsics& intrinsics = data.input->cameras[data.input->views[v].camera].intrinsics();
     const double side = std::max(kBlockSigmas * data.sigma, intrinsics.width / kBlocksAcross);
     CellCounter cells(intrinsics, data.sigma);
-    for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) {
-      const auto row = sampler(tracks.sights[k]);
-      if (!(row.weight > 0)) continue;
-      equations.values[k] = gain * row.value;
-      equations.weights[k] = row.weight;
-      equations.jacobians[k] = gain * row.jacobian;
-      seen.blocks[k] = blockOf(row.pixel, side, intrinsics.width);
-      cells.add(row.pixel);
-    }
+    const auto add = [&](std::size_t k, const Eigen::Vector3d& local, const auto& projected) {
+      const GreySample grey = sampleGrey(*image, projected.pixel);
+      if (!grey.valid) return;
+      const Eigen::RowVector3d by_point = grey.gradient.cast<double>().transpose() * projected.jacobian;
+      const Eigen::Vector3d lever = local - center;
+      Eigen::Matrix<float, 6, 1> jacobian;
+      jacobian << lever.cross(by_point.transpose()).template cast<float>(), by_point.transpose().template cast<float>();
+      equations.values[k] = gain * grey.value;
+      equations.weights[k] = tracks.sights[k].weight;
+      equations.jacobians[k] = gain * jacobian;
+      seen.blocks[k] = blockOf(projected.pixel, side, intrinsics.width);
+      cells.add(projected.pixel);
+    };
+    forEachSight(*data.input, tracks, state, v, kEdgeMargin * data.sigma, add);
     const float share = cells.share() * kNoiseShare;
     for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) equations.weights[k] *= share;
   });

@@ -3,6 +3,7 @@
 #include "alignment/pose_system.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "alignment/gains.hpp"
@@ -72,6 +73,58 @@ PoseEquations poseEquations(const PoseData& data, const PoseState& state, const 
   if (result.weight > 0) result.cost = cost * (weight > 0 ? weight / result.weight : 1);
   result.cost += result.intensity.cost;
   return result;
+}
+
+Twist PriorTerms::deviation(const PoseState& state, std::size_t v) const {
+  const std::uint32_t c = views_[v].camera;
+  return (state.views[v] - state.cameras[c] - state.time_offsets[c] * priors_.velocities[v])
+      .cwiseQuotient(priors_.view_sigmas[v]);
+}
+
+template <class Visit>
+void PriorTerms::forEach(const PoseState& state, Visit&& visit) const {
+  for (std::size_t v = 0; v < views_.size(); ++v) {
+    const std::uint32_t c = views_[v].camera;
+    const auto d = static_cast<int>(6 * v), e = static_cast<int>(cameraBase(c)), tau = e + 6;
+    const Twist deviation = this->deviation(state, v);
+    for (int i = 0; i < 6; ++i) {
+      visit(deviation[i], 1 / priors_.view_sigmas[v][i],
+            std::array{Unknown{d + i, 1}, Unknown{e + i, -1}, Unknown{tau, -priors_.velocities[v][i]}});
+    }
+    const std::size_t u = priors_.previous[v];
+    if (priors_.step_sigmas.empty() || u == v) continue;
+    const auto first = static_cast<int>(6 * std::min(u, v)), second = static_cast<int>(6 * std::max(u, v));
+    const Twist sigma = priors_.step_sigmas[c];
+    const Twist step = (state.views[std::max(u, v)] - state.views[std::min(u, v)]).cwiseQuotient(sigma);
+    for (int i = 0; i < 6; ++i)
+      visit(step[i], 1 / sigma[i], std::array{Unknown{first + i, -1}, Unknown{second + i, 1}});
+  }
+  for (std::size_t c = 0; c < state.cameras.size(); ++c) {
+    const auto e = static_cast<int>(cameraBase(c));
+    for (int i = 0; i < 6; ++i) {
+      const double sigma = priors_.camera_sigmas[c][i];
+      visit(state.cameras[c][i] / sigma, 1 / sigma, std::array{Unknown{e + i, 1}});
+    }
+    visit(state.time_offsets[c] / priors_.time_sigmas[c], 1 / priors_.time_sigmas[c], std::array{Unknown{e + 6, 1}});
+  }
+}
+
+double PriorTerms::cost(const PoseState& state) const {
+  double sum = 0;
+  forEach(state, [&](double deviation, double, const auto&) { sum += deviation * deviation; });
+  return 0.5 * sum;
+}
+
+void PriorTerms::addTo(const PoseState& state, std::vector<Eigen::Triplet<double>>& lower,
+                       Eigen::VectorXd& gradient) const {
+  forEach(state, [&](double deviation, double scale, const auto& unknowns) {
+    for (auto row = unknowns.begin(); row != unknowns.end(); ++row) {
+      gradient[row->index] += scale * row->factor * deviation;
+      for (auto column = unknowns.begin(); column <= row; ++column) {
+        lower.emplace_back(row->index, column->index, scale * scale * row->factor * column->factor);
+      }
+    }
+  });
 }
 
 PoseSystem assemblePoseSystem(const PoseData& data, const PoseEquations& equations, const PriorTerms& terms,

@@ -70,7 +70,7 @@ Matrix6 shiftMatrix(const PoseData& data, const PoseState& state, std::size_t v)
     sum += jacobian.transpose() * jacobian;
     ++count;
   };
-  forEachSight(*data.input, *data.tracks, state, v, add, stride);
+  forEachSight(*data.input, *data.tracks, state, v, -INFINITY, add, stride);
   return count > 0 ? Matrix6(sum / count) : sum;
 }
 

@@ -38,14 +38,16 @@ struct Tracks {
 std::vector<Sight> findSights(const AlignmentInput& input, const std::vector<PointRun>& runs, std::size_t view,
                               const Eigen::Isometry3d& map_from_camera, std::size_t max_points);
 
-/// Calls visit(k, local, projected) for every `stride`-th observation of a view that is in the image at a state:
-/// `local` is the point in the camera's frame, `projected` what Camera::linearize() makes of it.
+/// Calls visit(k, local, projected) for every `stride`-th observation of a view that is in the image at a state,
+/// `margin` px from an edge: `local` is the point in the camera's frame, `projected` what Camera::linearize() makes of
+/// it.
 template <class Visit>
 void forEachSight(const AlignmentInput& input, const Tracks& tracks, const PoseState& state, std::size_t view,
-                  Visit&& visit, std::size_t stride = 1) {
+                  double margin, Visit&& visit, std::size_t stride = 1) {
   const Eigen::Isometry3d camera_from_map = correctedPose(input.views[view], state.views[view]).inverse();
   const Camera& camera = input.cameras[input.views[view].camera];
   for (std::size_t k = tracks.offsets[view]; k < tracks.offsets[view + 1]; k += stride) {
+    if (tracks.sights[k].edge_distance < margin) continue;
     const Eigen::Vector3d local = camera_from_map * input.points.col(tracks.sights[k].point).cast<double>();
     if (const auto projected = camera.linearize(local)) visit(k, local, *projected);
   }

@@ -34,7 +34,7 @@ Problem makeProblem(const AlignmentInput& input, const Tracks& tracks, const Pos
   square.vignetting = {1, 0};
   for (std::size_t v = 0; v < tracks.numViews(); ++v) {
     if (input.views[v].camera != camera) continue;
-    forEachSight(input, tracks, state, v, [&](auto k, const auto&, const auto& projected) {
+    forEachSight(input, tracks, state, v, -INFINITY, [&](auto k, const auto&, const auto& projected) {
       if (!(weights[k] > 0)) return;
       const Eigen::Vector2f at = projected.pixel.template cast<float>();
       const float r2 = std::log(square.brightening(at.x(), at.y(), width, height));
