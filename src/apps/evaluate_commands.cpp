@@ -2,11 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/evaluate_commands.hpp"
 
-#include <cstdlib>
+#include <algorithm>
 #include <iostream>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
-#include <sstream>
 
 #include "apps/command_line.hpp"
 #include "cloud_colorizer/base/check.hpp"
@@ -17,15 +16,6 @@
 
 namespace cloud_colorizer {
 namespace {
-
-double numberOption(const CommandLine& line, const std::string& name, double otherwise) {
-  if (!line.has(name)) return otherwise;
-  const std::string text = line.option(name);
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0') throw UsageError("option --" + name + " must be a number, not '" + text + "'");
-  return value;
-}
 
 /// As a CSV file, and on the screen.
 void save(const ResultTable& table, const std::string& directory, const std::string& name) {
@@ -49,35 +39,21 @@ const std::vector<OptionSpec> kBedOptions = {
     {"time-limit", "S", "processor time of one row (60; with --quick 20)"},
     {"memory-limit", "MB", "memory of one row (8000)"}};
 
-std::vector<std::size_t> sizesOption(const CommandLine& line) {
-  std::vector<std::size_t> sizes;
-  std::istringstream text(line.option("sizes"));
-  for (std::string size; std::getline(text, size, ',');) {
-    char* end = nullptr;
-    sizes.push_back(std::strtoull(size.c_str(), &end, 10));
-    if (size.empty() || *end != '\0' || sizes.back() == 0) {
-      throw UsageError("option --sizes must be numbers of points with commas between, not '" + line.option("sizes") +
-                       "'");
-    }
-  }
-  return sizes;
-}
-
 TablesParams tablesParams(const CommandLine& line) {
   TablesParams params = line.has("quick") ? TablesParams::quick() : TablesParams{};
   params.method = line.params;
-  params.bed.num_points =
-      static_cast<std::size_t>(numberOption(line, "points", static_cast<double>(params.bed.num_points)));
-  params.bed.num_views = static_cast<int>(numberOption(line, "views", params.bed.num_views));
-  params.bed.seed = static_cast<std::uint64_t>(numberOption(line, "seed", static_cast<double>(params.bed.seed)));
+  params.bed.num_points = line.value("points", params.bed.num_points);
+  params.bed.num_views = line.value("views", params.bed.num_views);
+  params.bed.seed = line.value("seed", params.bed.seed);
   params.bed.num_threads = line.params.colorize.num_threads;
-  params.noise.rotation = numberOption(line, "rotation", params.noise.rotation);
-  params.noise.centre = numberOption(line, "centre", params.noise.centre);
-  params.noise.gain = numberOption(line, "gain", params.noise.gain);
-  params.noise.pixel = numberOption(line, "pixel", params.noise.pixel);
-  params.limits.seconds = numberOption(line, "time-limit", params.limits.seconds);
-  params.limits.megabytes = numberOption(line, "memory-limit", params.limits.megabytes);
-  if (line.has("sizes")) params.table2_sizes = sizesOption(line);
+  params.noise.rotation = line.value("rotation", params.noise.rotation);
+  params.noise.centre = line.value("centre", params.noise.centre);
+  params.noise.gain = line.value("gain", params.noise.gain);
+  params.noise.pixel = line.value("pixel", params.noise.pixel);
+  params.limits.seconds = line.value("time-limit", params.limits.seconds);
+  params.limits.megabytes = line.value("memory-limit", params.limits.megabytes);
+  if (line.has("sizes")) params.table2_sizes = line.list<std::size_t>("sizes", "", ',', 0);
+  for (const std::size_t size : params.table2_sizes) require<UsageError>(size > 0, "option --sizes holds a 0");
   params.bed.check();
   params.noise.check();
   return params;
@@ -90,14 +66,13 @@ std::vector<Mesh> meshesOf(const CommandLine& line) {
 }
 
 std::set<std::string> partsOption(const CommandLine& line) {
-  const std::set<std::string> all = {"table1", "table2", "isolated", "density"};
-  if (!line.has("only")) return all;
-  std::set<std::string> parts;
-  std::istringstream text(line.option("only"));
-  for (std::string part; std::getline(text, part, ',');) {
-    if (all.count(part) == 0) {
-      throw UsageError("option --only knows table1, table2, isolated and density, not '" + part + "'");
-    }
+  const std::vector<std::string> all = {"table1", "table2", "isolated", "density"};
+  std::set<std::string> parts(all.begin(), all.end());
+  if (!line.has("only")) return parts;
+  parts.clear();
+  for (const auto& part : line.list<std::string>("only", "", ',', 0)) {
+    require<UsageError>(std::count(all.begin(), all.end(), part) > 0, "option --only knows ", join(all, ", "),
+                        ", not '", part, "'");
     parts.insert(part);
   }
   return parts;
@@ -157,8 +132,8 @@ int runHeldout(int argc, char** argv) {
                   {"output", "DIR", "tables and pictures; a working copy of the recording by links", true}};
   return runMain(argc, argv, spec, [&](const CommandLine& line, const Callbacks& callbacks) {
     HeldoutParams params;
-    params.every = static_cast<int>(numberOption(line, "every", params.every));
-    params.moved_error = numberOption(line, "moved", params.moved_error);
+    params.every = line.value("every", params.every);
+    params.moved_error = line.value("moved", params.moved_error);
     params.params = line.params;
     const std::string output = line.option("output");
     makeDirectory(output);
@@ -185,7 +160,7 @@ int runScore(int argc, char** argv) {
     const ColoredCloud truth = read(line.option("truth")), result = read(line.option("result"));
     const Eigen::Vector3d origin = truth.positions.col(0);  // float has half-metre steps at UTM coordinates
     const Score score = scoreClouds(relative(truth.positions, origin), truth.colors, relative(result.positions, origin),
-                                    result.colors, numberOption(line, "max-distance", 0.1));
+                                    result.colors, line.value("max-distance", 0.1));
     std::cout << score.describe() << "\n";
   });
 }

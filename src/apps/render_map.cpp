@@ -4,7 +4,6 @@
 /// render_map MAP.ply [MAP2.ply ...] --output picture.png: pictures of coloured maps, side by side.
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
-#include <sstream>
 
 #include "apps/command_line.hpp"
 #include "base/columns.hpp"
@@ -19,21 +18,6 @@ namespace {
 using namespace cloud_colorizer;
 
 constexpr std::size_t kBlock = 500000;  // points
-
-/// "1,2,3" as numbers; throws UsageError.
-std::vector<double> parseNumbers(const std::string& option, const std::string& text, std::size_t count,
-                                 char separator) {
-  std::vector<double> numbers;
-  std::istringstream stream(text);
-  for (std::string word; std::getline(stream, word, separator);) {
-    char* end = nullptr;
-    numbers.push_back(std::strtod(word.c_str(), &end));
-    if (word.empty() || *end != '\0') numbers.clear();
-  }
-  require<UsageError>(numbers.size() == count, "--", option, " ", text, ": expected ", count, " numbers separated by '",
-                      separator, "'");
-  return numbers;
-}
 
 /// Calls visit(cloud) for one block of the file after another.
 template <class Visit>
@@ -113,15 +97,15 @@ Eigen::Vector3d eyeAbove(const Eigen::AlignedBox3d& bounds, const Eigen::Vector3
 
 void render(const CommandLine& line, const Callbacks& callbacks) {
   PictureParams params;
-  const auto size = parseNumbers("size", line.option("size", "960x540"), 2, 'x');
-  params.width = static_cast<int>(size[0]);
-  params.height = static_cast<int>(size[1]);
-  params.field_of_view = parseNumbers("fov", line.option("fov", "70"), 1, ',')[0];
-  params.point_size = parseNumbers("point-size", line.option("point-size", "0.07"), 1, ',')[0];
+  const auto size = line.list<int>("size", "960x540", 'x', 2);
+  params.width = size[0];
+  params.height = size[1];
+  params.field_of_view = line.value("fov", 70.0);
+  params.point_size = line.value("point-size", 0.07);
   params.check();
-  const auto high = static_cast<float>(parseNumbers("high", line.option("high", "20"), 1, ',')[0]);
+  const auto high = line.value("high", 20.F);
   const auto vector = [&](const char* name, const Eigen::Vector3d& otherwise) -> Eigen::Vector3d {
-    return line.has(name) ? Eigen::Vector3d(parseNumbers(name, line.option(name), 3, ',').data()) : otherwise;
+    return line.has(name) ? Eigen::Vector3d(line.list<double>(name, "", ',', 3).data()) : otherwise;
   };
   const Eigen::Vector3d up = vector("up", Eigen::Vector3d::UnitZ());
   require<UsageError>(up.norm() > 0, "--up ", line.option("up"), ": the direction has no length");
