@@ -115,6 +115,7 @@ std::string describe(const AlignmentResult& result) {
 
 std::string alignmentCsv(const AlignmentResult& result, const std::vector<View>& views) {
   std::ostringstream text;
+  text.imbue(std::locale::classic());
   text << "view,camera,stamp,points,rotation_deg,translation_m,pixels,gain_r,gain_g,gain_b,weight,residual_before,"
           "residual_after,refused,reason\n";
   for (std::size_t v = 0; v < result.views.size(); ++v) {
