@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cerrno>
 #include <clocale>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <iomanip>
@@ -41,6 +42,12 @@ std::string formatFixed(double value, int decimals) {
   stream.imbue(std::locale::classic());
   stream << std::fixed << std::setprecision(decimals) << value;
   return stream.str();
+}
+
+std::string sixDigits(std::size_t number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%06zu", number);
+  return text;
 }
 
 bool parseDouble(const char*& text, double& value) {

@@ -12,6 +12,7 @@ namespace cloud_colorizer {
 /// The shortest text that reads back as the same double.
 std::string formatDouble(double value);
 std::string formatFixed(double value, int decimals);
+std::string sixDigits(std::size_t number);  ///< with leading zeros, at least
 
 /// Reads one number at `text` and moves `text` behind it; false, without moving, when there is none.
 bool parseDouble(const char*& text, double& value);

@@ -9,15 +9,16 @@
 #include <cstring>
 #include <filesystem>
 
+#include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
+#include "recording/tile_file.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kCorrections = "alignment/views.bin";
-constexpr const char* kDamagedViews = "damaged_images/views.bin";
+const std::string kViews = "/views.bin";
 /// Bytes of a point's normal, radius and offset; of its colour, count, deviation and reason.
 constexpr std::size_t kSurfelBytes = 5 * sizeof(float), kColorBytes = 4 * sizeof(float) + sizeof(std::uint16_t) + 1;
 
@@ -131,20 +132,17 @@ bool DerivedFiles::holds(const std::string& folder, const std::string& key) cons
   return std::string(found.begin(), found.end()) == key;
 }
 
-std::string DerivedFiles::tilePath(const char* folder, std::size_t tile) const {
-  const TileIndex& index = recording_.tiles()[tile].index;
-  return pathOf(std::string(folder) + '/' + std::to_string(index[0]) + '_' + std::to_string(index[1]) + '_' +
-                std::to_string(index[2]) + ".bin");
+std::string DerivedFiles::tileFile(const char* folder, std::size_t tile) const {
+  return pathOf(std::string(folder) + '/' + tileName(recording_.tiles()[tile].index) + ".bin");
 }
 
-std::string DerivedFiles::depthPath(std::size_t view) const {
-  const std::string number = std::to_string(view);
-  return pathOf("depth/" + std::string(number.size() < 6 ? 6 - number.size() : 0, '0') + number + ".bin");
+std::string DerivedFiles::depthFile(std::size_t view) const {
+  return pathOf(std::string(kDepthFolder) + '/' + sixDigits(view) + ".bin");
 }
 
 // The key does not tell how many points the tile had; the size of the file does.
 bool DerivedFiles::hasSurfels(std::size_t tile) const {
-  return isWhole(tilePath("surfels", tile), kSurfelBytes * recording_.tiles()[tile].num_points);
+  return isWhole(tileFile(kSurfelsFolder, tile), kSurfelBytes * recording_.tiles()[tile].num_points);
 }
 
 void DerivedFiles::writeSurfels(std::size_t tile, const Surfels& surfels) const {
@@ -152,13 +150,13 @@ void DerivedFiles::writeSurfels(std::size_t tile, const Surfels& surfels) const 
   blob.add(surfels.normals);
   blob.add(surfels.radii);
   blob.add(surfels.offsets);
-  blob.save(tilePath("surfels", tile));
+  blob.save(tileFile(kSurfelsFolder, tile));
 }
 
 Surfels DerivedFiles::readSurfels(std::size_t tile) const {
   const auto num_points = static_cast<Eigen::Index>(recording_.tiles()[tile].num_points);
   Surfels surfels{Eigen::Matrix3Xf(3, num_points), Eigen::VectorXf(num_points), Eigen::VectorXf(num_points)};
-  BlobReader blob(tilePath("surfels", tile));
+  BlobReader blob(tileFile(kSurfelsFolder, tile));
   blob.read(surfels.normals);
   blob.read(surfels.radii);
   blob.read(surfels.offsets);
@@ -166,7 +164,7 @@ Surfels DerivedFiles::readSurfels(std::size_t tile) const {
 }
 
 bool DerivedFiles::hasDepth(std::size_t view) const {
-  return readWhole(depthPath(view)).has_value();
+  return readWhole(depthFile(view)).has_value();
 }
 
 void DerivedFiles::writeDepth(std::size_t view, const DepthImage& image) const {
@@ -177,11 +175,11 @@ void DerivedFiles::writeDepth(std::size_t view, const DepthImage& image) const {
   blob.add(&image.pixel_angle, 1);
   blob.add(image.depth.ptr<float>(), image.depth.total());
   blob.add(image.edge.ptr<std::uint8_t>(), image.edge.total());
-  blob.save(depthPath(view));
+  blob.save(depthFile(view));
 }
 
 DepthImage DerivedFiles::readDepth(std::size_t view) const {
-  BlobReader blob(depthPath(view));
+  BlobReader blob(depthFile(view));
   const auto rows = blob.read<std::int32_t>(), cols = blob.read<std::int32_t>();
   DepthImage image;
   image.cell_size = blob.read<float>();
@@ -194,7 +192,7 @@ DepthImage DerivedFiles::readDepth(std::size_t view) const {
 }
 
 bool DerivedFiles::hasColors(std::size_t tile) const {
-  return isWhole(tilePath("colored", tile), kColorBytes * recording_.tiles()[tile].num_points);
+  return isWhole(tileFile(kColorsFolder, tile), kColorBytes * recording_.tiles()[tile].num_points);
 }
 
 void DerivedFiles::writeColors(std::size_t tile, const TileColors& colors) const {
@@ -203,14 +201,14 @@ void DerivedFiles::writeColors(std::size_t tile, const TileColors& colors) const
   blob.add(colors.count);
   blob.add(colors.stddev);
   blob.add(colors.unseen);
-  blob.save(tilePath("colored", tile));
+  blob.save(tileFile(kColorsFolder, tile));
 }
 
 TileColors DerivedFiles::readColors(std::size_t tile) const {
   const std::size_t count = recording_.tiles()[tile].num_points;
   TileColors colors{Values(3, static_cast<Eigen::Index>(count)), std::vector<std::uint16_t>(count),
                     std::vector<float>(count), std::vector<Unseen>(count)};
-  BlobReader blob(tilePath("colored", tile));
+  BlobReader blob(tileFile(kColorsFolder, tile));
   blob.read(colors.values);
   blob.read(colors.count);
   blob.read(colors.stddev);
@@ -230,13 +228,13 @@ void DerivedFiles::writeCorrections(const std::vector<CorrectedView>& views) con
     blob.add(view.exposure.offset);
     blob.add(view.exposure.vignetting);
   }
-  blob.save(pathOf(kCorrections));
+  blob.save(pathOf(kAlignmentFolder + kViews));
 }
 
 std::optional<std::vector<CorrectedView>> DerivedFiles::readCorrections() const {
-  auto bytes = readWhole(pathOf(kCorrections));
+  auto bytes = readWhole(pathOf(kAlignmentFolder + kViews));
   if (!bytes) return std::nullopt;
-  BlobReader blob(pathOf(kCorrections), std::move(bytes));
+  BlobReader blob(pathOf(kAlignmentFolder + kViews), std::move(bytes));
   std::vector<CorrectedView> views(recording_.views().size());
   for (CorrectedView& view : views) {
     blob.read(view.map_from_camera.matrix());
@@ -253,14 +251,14 @@ std::optional<std::vector<CorrectedView>> DerivedFiles::readCorrections() const 
 void DerivedFiles::writeDamagedViews(const ViewList& views) const {
   BlobWriter blob;
   blob.add(views);
-  blob.save(pathOf(kDamagedViews));
+  blob.save(pathOf(kImageCheckFolder + kViews));
 }
 
 std::optional<ViewList> DerivedFiles::readDamagedViews() const {
-  auto bytes = readWhole(pathOf(kDamagedViews));
+  auto bytes = readWhole(pathOf(kImageCheckFolder + kViews));
   if (!bytes) return std::nullopt;
   ViewList views(bytes->size() / sizeof(views[0]));
-  BlobReader(pathOf(kDamagedViews), std::move(bytes)).read(views);
+  BlobReader(pathOf(kImageCheckFolder + kViews), std::move(bytes)).read(views);
   return views;
 }
 

@@ -17,6 +17,13 @@
 
 namespace cloud_colorizer {
 
+// Folders of a recording that hold derived files.
+constexpr const char* kImageCheckFolder = "damaged_images";
+constexpr const char* kSurfelsFolder = "surfels";
+constexpr const char* kAlignmentFolder = "alignment";
+constexpr const char* kDepthFolder = "depth";
+constexpr const char* kColorsFolder = "colored";
+
 /// Colours of one tile, one column a point.
 struct TileColors {
   Values values;                     ///< 3 x n, 0 to 255; zero where count is 0
@@ -68,8 +75,8 @@ class DerivedFiles {
   std::optional<ViewList> readDamagedViews() const;  ///< nothing where the list is not whole
 
  private:
-  std::string tilePath(const char* folder, std::size_t tile) const;
-  std::string depthPath(std::size_t view) const;
+  std::string tileFile(const char* folder, std::size_t tile) const;
+  std::string depthFile(std::size_t view) const;
 
   Recording recording_;
 };

@@ -13,14 +13,7 @@
 
 namespace cloud_colorizer {
 
-// Folders of a recording that hold derived files.
-constexpr const char* kImageCheckFolder = "damaged_images";
-constexpr const char* kSurfelsFolder = "surfels";
-constexpr const char* kAlignmentFolder = "alignment";
-constexpr const char* kDepthFolder = "depth";
-constexpr const char* kColorsFolder = "colored";
-
-// What the files in each were made from. `damaged`: the views that are left out; `views`: how each is used.
+// What the files in each folder were made from. `damaged`: the views that are left out; `views`: how each is used.
 std::string imageFilesKey(const Recording& recording);
 std::string surfelsKey(const Recording& recording, const Params& params);
 std::string alignmentKey(const Recording& recording, const Params& params, const ViewList& damaged);

@@ -19,6 +19,7 @@
 #include <set>
 
 #include "base/file_io.hpp"
+#include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/visibility/empty_space.hpp"
 #include "recording/recording_files.hpp"
@@ -57,12 +58,6 @@ Intrinsics withoutTrailingZeros(Intrinsics intrinsics) {
 bool sameIntrinsics(const Intrinsics& a, const Intrinsics& b) {
   return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy &&
          a.model == b.model && withoutTrailingZeros(a).distortion == withoutTrailingZeros(b).distortion;
-}
-
-std::string sixDigits(std::size_t number) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%06zu", number);
-  return text;
 }
 
 bool isFileName(const std::string& name) {

@@ -62,9 +62,12 @@ std::uint64_t countPoints(const File& file, const std::vector<Field>& fields) {
 
 }  // namespace
 
+std::string tileName(const TileIndex& index) {
+  return std::to_string(index[0]) + '_' + std::to_string(index[1]) + '_' + std::to_string(index[2]);
+}
+
 std::string tilePath(const std::string& directory, const TileIndex& index) {
-  return directory + "/tiles/" + std::to_string(index[0]) + '_' + std::to_string(index[1]) + '_' +
-         std::to_string(index[2]) + ".pcd";
+  return directory + "/tiles/" + tileName(index) + ".pcd";
 }
 
 std::vector<Tile> listTiles(const std::string& directory, const std::vector<Field>& fields) {

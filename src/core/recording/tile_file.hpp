@@ -16,6 +16,7 @@ namespace cloud_colorizer {
 
 constexpr std::size_t kPositionSize = 3 * sizeof(float);  ///< bytes at the start of a tile's record
 
+std::string tileName(const TileIndex& index);  ///< x_y_z
 std::string tilePath(const std::string& directory, const TileIndex& index);
 
 /// The tiles of a recording whose points have `fields`, ascending by index, with the points that may be read.

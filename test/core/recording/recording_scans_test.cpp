@@ -121,5 +121,15 @@ TEST(Scans, BadOnesAreRefused) {
   EXPECT_TRUE(recorder.snapshot().scans().empty());
 }
 
+TEST(Scans, AFileThatClaimsAnImpossibleSizeIsNamed) {
+  ScratchDirectory scratch;
+  {
+    Recorder recorder(scratch.path(), "map", everyMetre());
+    recorder.addScan("lidar", 1, kOneReturn, at(0));
+  }
+  writeText(scratch / "scans/000000.png", "P5\n2000000 2000000\n255\n");  // OpenCV throws without a path
+  EXPECT_ERROR(Recording::open(scratch.path()).readScan(0), "scans/000000.png");
+}
+
 }  // namespace
 }  // namespace cloud_colorizer
