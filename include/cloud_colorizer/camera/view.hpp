@@ -29,11 +29,12 @@ using ImageSource = std::function<std::shared_ptr<const cv::Mat>(std::size_t vie
 /// What makes the values of one view comparable with the others': corrected = gain * brightening * value + offset, by
 /// channel. Empty arrays mean gain 1 and offset 0.
 struct Exposure {
-  Eigen::ArrayXf gain;
-  Eigen::ArrayXf offset;
+  Eigen::ArrayXf gain;                                 ///< one a channel
+  Eigen::ArrayXf offset;                               ///< one a channel, in the units of the values
   Eigen::Array2f vignetting = Eigen::Array2f::Zero();  ///< a, b of the camera; zeros: none
 
-  /// exp(a r^2 + b r^4), r = 1 at the middle of the image's left and right ends: what undoes the darkening outwards.
+  /// exp(a r^2 + b r^4) at pixel (u, v) of an image of that size [px], r = 1 at the middle of its left and right ends:
+  /// what undoes the darkening outwards.
   float brightening(float u, float v, float width, float height) const {
     if (vignetting[0] == 0 && vignetting[1] == 0) return 1;
     const float x = (2 * u + 1) / width - 1, y = ((2 * v + 1) - height) / width, r2 = x * x + y * y;

@@ -42,16 +42,16 @@ auto withType(FieldType type, F&& f) {
   throw std::invalid_argument("field type " + std::to_string(static_cast<int>(type)) + " must be 1 to 8");
 }
 
-/// "int8" to "float64", and back. Throws std::invalid_argument on another name.
+/// "int8" to "float64", and back. Throw std::invalid_argument on a value or name that is none.
 std::string toString(FieldType type);
 FieldType fieldTypeFromString(const std::string& name);
 
-/// Bytes of one number.
+/// Bytes of one number: 1, 2, 4 or 8.
 inline std::size_t sizeOf(FieldType type) {
   return withType(type, [](auto number) { return sizeof number; });
 }
 
-/// The number of that type that begins at `bytes`; alignment does not matter.
+/// The number of that type in the sizeOf(type) bytes from `bytes` on, in native byte order; alignment does not matter.
 inline double numberAt(const std::uint8_t* bytes, FieldType type) {
   return withType(type, [&](auto number) {
     std::memcpy(&number, bytes, sizeof number);
@@ -62,7 +62,7 @@ inline double numberAt(const std::uint8_t* bytes, FieldType type) {
 struct Field {
   std::string name;
   FieldType type = FieldType::kFloat32;
-  std::uint32_t count = 1;
+  std::uint32_t count = 1;  ///< numbers of that type, one after the other
 };
 bool operator==(const Field& a, const Field& b);
 
@@ -82,9 +82,10 @@ std::optional<LocatedField> findField(const std::vector<Field>& fields, const st
 void checkFields(const std::vector<Field>& fields);
 
 /// Positions in double (a file or a message may carry UTM coordinates) and the records of all other fields, native
-/// byte order, n * recordSize(fields) bytes, in the order of `fields`.
+/// byte order, n * recordSize(fields) bytes, in the order of `fields`. The frame is that of the file or message.
+/// A colour is the field "rgb", FLOAT32 or UINT32, whose bytes are 0x00RRGGBB.
 struct Cloud {
-  Eigen::Matrix3Xd positions;  ///< 3 x n, m
+  Eigen::Matrix3Xd positions;  ///< 3 x n, m; NaN where a sensor measured nothing
   std::vector<Field> fields;   ///< without x, y, z
   std::vector<std::uint8_t> records;
 };
@@ -115,7 +116,8 @@ class RecordMap {
 
   const std::vector<std::string>& dropped() const { return dropped_; }  ///< names in `from` that `to` has not
   const std::vector<std::string>& missing() const { return missing_; }  ///< names in `to` that `from` has not
-  void copy(const std::uint8_t* from, std::uint8_t* to) const;          ///< one record
+  /// One record: recordSize() bytes of each list of fields, which must not overlap.
+  void copy(const std::uint8_t* from, std::uint8_t* to) const;
 
  private:
   ByteRuns runs_;

@@ -15,14 +15,18 @@
 namespace cloud_colorizer {
 
 /// Reads .ply (ascii, binary little and big endian; other elements than vertex are skipped) and .pcd (ascii, binary,
-/// binary_compressed; SIZE 8 allowed). Throws std::runtime_error, with file and reason, on anything else.
+/// binary_compressed). 64 bit integers become float64. Limits: a line of text of 1 MiB, a point of a million numbers,
+/// and 4 GB of points in a compressed file, all of which are then held in memory.
 class CloudReader {
  public:
+  /// Reads the header. Throws std::runtime_error, with file and reason, when it is damaged or of another format, or
+  /// announces more than the file can hold; no memory is taken before that is known.
   explicit CloudReader(const std::string& path);
   ~CloudReader();
   std::size_t numPoints() const;
   const std::vector<Field>& fields() const;  ///< without x, y, z
-  /// Up to `max_points` further points; empty at the end.
+  /// Up to `max_points` further points, in the order and frame of the file; empty at the end. Throws
+  /// std::runtime_error, with file and place, on a line that is no point.
   Cloud read(std::size_t max_points);
 
  private:
@@ -32,15 +36,17 @@ class CloudReader {
 
 /// Writes a cloud of known size to `path` + a temporary suffix, and renames it on finish(): the file is complete or
 /// absent. Positions are written as double where `double_positions`, else as float. The format follows the extension.
-/// PCD: binary; a field "rgb" of type FLOAT32 holds packed colour. PLY: binary little endian; "rgb" is written as
-/// uchar red, green, blue. The constructor throws std::runtime_error for an unknown extension or a missing directory,
-/// write() and finish() when the disk is full; the temporary file is then removed.
+/// PCD: binary, fields as they are. PLY: binary little endian; "rgb" becomes uchar red, green, blue, and an array
+/// name_0, name_1, ... The constructor throws std::runtime_error for an unknown extension or a missing directory and
+/// std::invalid_argument for fields that checkFields refuses; write() and finish() throw std::runtime_error when the
+/// disk is full. The temporary file is removed unless finish() came to its end.
 class CloudWriter {
  public:
   CloudWriter(const std::string& path, std::size_t num_points, const std::vector<Field>& fields, bool double_positions);
   ~CloudWriter();
-  void write(const Cloud& cloud);  ///< throws std::invalid_argument when the fields differ
-  void finish();
+  /// Further points. Throws std::invalid_argument when the fields differ or there are more than `num_points`.
+  void write(const Cloud& cloud);
+  void finish();  ///< throws std::invalid_argument when points are missing
 
   /// Throws std::runtime_error when `path` cannot be written: extension, directory. Call it before long work.
   static void checkPath(const std::string& path);

@@ -9,7 +9,7 @@
 namespace cloud_colorizer {
 
 struct SurfelParams {
-  int num_neighbors = 16;  ///< points in the neighbourhood that gives normal and radius, itself included
+  int num_neighbors = 16;  ///< points in the neighbourhood that gives normal and radius, itself included; 4 to 100
 
   void check() const;
 };
@@ -28,8 +28,8 @@ struct Surfels {
   }
 };
 
-/// Normals, radii and offsets from the nearest neighbours. O(n log n). Never NaN, for any finite input (duplicates
-/// included).
+/// Normals, radii and offsets from the nearest neighbours, in the frame of `points` (3 x n, m). O(n log n). Never NaN,
+/// for any finite input (duplicates included). Throws std::invalid_argument for a point that is not finite.
 Surfels estimateSurfels(PointsRef points, const SurfelParams& params);
 
 }  // namespace cloud_colorizer

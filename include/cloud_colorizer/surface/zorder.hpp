@@ -19,11 +19,11 @@ struct ZOrderGrid {
   float cell = 0.01F;                                ///< m, > 0
 };
 
-/// A grid of 2^bits cells an axis, bits from 1 to 20, with the points in it.
+/// A grid of 2^bits cells an axis with the points in it. Throws std::invalid_argument unless bits is from 1 to 20.
 ZOrderGrid gridOf(PointsRef points, int bits = 20);
 
-/// Key of every point: bits x0 y0 z0 x1 y1 z1 ... from the lowest. Throws std::out_of_range beyond the grid and for
-/// NaN.
+/// Key of every point: bits x0 y0 z0 x1 y1 z1 ... from the lowest. Throws std::out_of_range, with the point, beyond
+/// the grid and for NaN, std::invalid_argument for a grid that is not finite.
 std::vector<std::uint64_t> zorderKeys(PointsRef points, const ZOrderGrid& grid);
 
 /// Passes in the order of the paper: (x,y,z), (-x,y,z), (x,-y,z), (x,y,-z). Mirroring an axis inverts its bits, so the
@@ -38,7 +38,7 @@ std::uint64_t zorderMask(int pass);
 std::vector<std::uint64_t> shiftedKeys(const std::vector<std::uint64_t>& keys, int pass);
 
 /// Indices by ascending `key ^ mask`; equal keys by ascending index. A radix sort, O(n) but for points that lie much
-/// closer together than the others.
+/// closer together than the others. Throws std::out_of_range for 2^32 keys or more.
 std::vector<std::uint32_t> zorderSort(const std::vector<std::uint64_t>& keys, std::uint64_t mask);
 
 }  // namespace cloud_colorizer

@@ -19,7 +19,8 @@ constexpr std::array<const char*, 8> kTypeNames{"int8",  "uint8",  "int16",   "u
 }  // namespace
 
 std::string toString(FieldType type) {
-  return kTypeNames.at(static_cast<std::size_t>(type) - 1);
+  sizeOf(type);  // throws on what is no type
+  return kTypeNames[static_cast<std::size_t>(type) - 1];
 }
 
 FieldType fieldTypeFromString(const std::string& name) {
