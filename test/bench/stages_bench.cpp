@@ -5,13 +5,19 @@
 /// wall, CPU that of all threads; the counters tell the time on the wall for one point, point and view, observation or
 /// edge.
 #include <benchmark/benchmark.h>
+#include <pcl/features/normal_3d.h>
+#include <pcl/kdtree/kdtree_flann.h>
+#include <pcl/search/kdtree.h>
 
 #include <Eigen/IterativeLinearSolvers>
+#include <array>
 #include <map>
 
 #include "cloud_colorizer/color/fuse.hpp"
 #include "cloud_colorizer/color/system.hpp"
+#include "core/pcl_points.hpp"
 #include "evaluation/methods.hpp"
+#include "surface/kdtree.hpp"
 #include "visibility/best_views.hpp"
 
 namespace cloud_colorizer {
@@ -128,6 +134,43 @@ void sharedEdges(benchmark::State& state) {
 void surfels(benchmark::State& state) {
   measurePoints(state, [](const Scene& s) { return estimateSurfels(s.bed.points, SurfelParams{}).radii.sum(); });
 }
+/// The neighbours that surfels are made of, by our tree and by PCL's, and PCL's normals.
+void neighbors(benchmark::State& state) {
+  measurePoints(state, [](const Scene& s) {
+    const KdTree tree(s.bed.points);
+    std::array<std::uint32_t, 16> indices;
+    std::array<float, 16> squared;
+    float sum = 0;
+    for (Eigen::Index i = 0; i < s.bed.points.cols(); ++i, sum += squared.back()) {
+      tree.nearest(s.bed.points.col(i), squared.size(), indices.data(), squared.data());
+    }
+    return sum;
+  });
+}
+void pclNeighbors(benchmark::State& state) {
+  measurePoints(state, [cloud = test::pclPoints(sceneOf(state.range(0)).bed.points)](const Scene&) {
+    pcl::KdTreeFLANN<pcl::PointXYZ> tree;
+    tree.setInputCloud(cloud);
+    std::vector<int> indices(16);
+    std::vector<float> squared(16);
+    float sum = 0;
+    for (int i = 0; i < static_cast<int>(cloud->size()); ++i, sum += squared.back()) {
+      tree.nearestKSearch(i, 16, indices, squared);
+    }
+    return sum;
+  });
+}
+void pclNormals(benchmark::State& state) {
+  measurePoints(state, [cloud = test::pclPoints(sceneOf(state.range(0)).bed.points)](const Scene&) {
+    pcl::NormalEstimation<pcl::PointXYZ, pcl::Normal> estimation;
+    estimation.setInputCloud(cloud);
+    estimation.setSearchMethod(pcl::search::KdTree<pcl::PointXYZ>::Ptr(new pcl::search::KdTree<pcl::PointXYZ>));
+    estimation.setKSearch(16);
+    pcl::PointCloud<pcl::Normal> normals;
+    estimation.compute(normals);
+    return normals.size();
+  });
+}
 /// One view.
 void depthImage(benchmark::State& state) {
   measurePoints(state, [](const Scene& s) {
@@ -220,6 +263,9 @@ BENCHMARK(zorderKeysOf)->Apply(inMilliseconds);
 BENCHMARK(zorderSortOf)->Apply(inMilliseconds);
 BENCHMARK(edges)->Apply(inMilliseconds);
 BENCHMARK(surfels)->Apply(inMilliseconds);
+BENCHMARK(neighbors)->Apply(inMilliseconds);
+BENCHMARK(pclNeighbors)->Apply(inMilliseconds);
+BENCHMARK(pclNormals)->Apply(inMilliseconds);
 BENCHMARK(depthImage)->Apply(inMilliseconds);
 BENCHMARK(observeOnly)->Apply(inMilliseconds);
 BENCHMARK(lists)->Apply(inMilliseconds);
