@@ -5,12 +5,11 @@
 
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
-#include <stdlib.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "cloud_colorizer/base/check.hpp"
+#include "core/scratch.hpp"
 #include "ros/messages.hpp"
 #include "ros/small_bag.hpp"
 
@@ -37,18 +36,12 @@ bool contains(const std::string& text, const std::string& part) {
 
 class BagTest : public testing::Test {
  protected:
-  BagTest() {
-    char name[] = "/tmp/bag_test_XXXXXX";
-    directory_ = mkdtemp(name);
-  }
-  ~BagTest() override { std::filesystem::remove_all(directory_); }
-
   std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(directory_ + "/" + name) << text;
-    return directory_ + "/" + name;
+    writeText(scratch_ / name, text);
+    return scratch_ / name;
   }
 
-  std::string directory_;
+  ScratchDirectory scratch_;
 };
 
 TEST(GuessRig, OneCloudAndItsCameras) {
@@ -99,7 +92,7 @@ TEST_F(BagTest, RigFileIsRead) {
                              {"/left/image_rect", kImage},
                              {"/left/camera_info", kInfo}};
   const Rig example = readRig(write("example.yaml", exampleRig()), topics);
-  EXPECT_EQ(example.cameras.at(0).params.mask, directory_ + "/front_mask.png");
+  EXPECT_EQ(example.cameras.at(0).params.mask, scratch_ / "front_mask.png");
   EXPECT_EQ(example.map_frame, "map");
   const Rig rig = readRig(
       write("rig.yaml", "cloud_in: /points\ncameras:\n  - {image: /left/image_rect, time_offset: 0.1}\n"), topics);
@@ -122,13 +115,13 @@ TEST_F(BagTest, MistakesInARigFileAreNamed) {
   EXPECT_TRUE(contains(error("cameras: []\n"), "cloud_in"));
   EXPECT_TRUE(contains(error("cloud_in: [\n"), "rig.yaml"));
   EXPECT_TRUE(contains(error("just words"), "no rig file"));
-  EXPECT_TRUE(contains(errorOf([&] { readRig(directory_ + "/none.yaml", topics); }), "does not exist"));
+  EXPECT_TRUE(contains(errorOf([&] { readRig(scratch_ / "none.yaml", topics); }), "does not exist"));
 }
 
 TEST_F(BagTest, MissingAndDamagedBagsAreRefusedWithRemedy) {
-  EXPECT_TRUE(contains(errorOf([&] { BagSource({directory_ + "/none.bag"}); }), "no bag"));
+  EXPECT_TRUE(contains(errorOf([&] { BagSource({scratch_ / "none.bag"}); }), "no bag"));
   EXPECT_TRUE(contains(errorOf([&] { BagSource({write("text.bag", "no bag at all")}); }), "rosbag reindex"));
-  const std::string bag = directory_ + "/small.bag";
+  const std::string bag = scratch_ / "small.bag";
   testing_ros::SmallDrive().write(bag);
   std::filesystem::resize_file(bag, std::filesystem::file_size(bag) / 2);
   EXPECT_TRUE(contains(errorOf([&] { BagSource({bag}); }), "rosbag reindex"));
@@ -150,7 +143,7 @@ CollectorStats play(const std::vector<std::string>& bags, const std::string& dir
 
 TEST_F(BagTest, EveryMessageOfTheBagIsRecordedOrCounted) {
   const testing_ros::SmallDrive drive;
-  drive.write(directory_ + "/small.bag");
+  drive.write(scratch_ / "small.bag");
   std::size_t last_done = 0, total = 0;
   Callbacks callbacks;
   callbacks.progress = [&](const Progress& progress) {
@@ -158,7 +151,7 @@ TEST_F(BagTest, EveryMessageOfTheBagIsRecordedOrCounted) {
     last_done = progress.done;
     total = progress.total;
   };
-  const CollectorStats stats = play({directory_ + "/small.bag"}, directory_ + "/recording", 2, callbacks);
+  const CollectorStats stats = play({scratch_ / "small.bag"}, scratch_ / "recording", 2, callbacks);
   EXPECT_EQ(stats.cloud.count(Outcome::kKept), drive.num_frames);
   EXPECT_EQ(stats.cameras[0].received, drive.num_frames);
   EXPECT_EQ(stats.cameras[1].received, drive.num_frames);
@@ -171,17 +164,17 @@ TEST_F(BagTest, EveryMessageOfTheBagIsRecordedOrCounted) {
 TEST_F(BagTest, TransformsMayComeLateInTheBag) {
   testing_ros::SmallDrive drive;
   drive.tf_delay = 5;
-  drive.write(directory_ + "/late.bag");
-  EXPECT_EQ(play({directory_ + "/late.bag"}, directory_ + "/a", 6).cloud.count(Outcome::kKept), drive.num_frames);
+  drive.write(scratch_ / "late.bag");
+  EXPECT_EQ(play({scratch_ / "late.bag"}, scratch_ / "a", 6).cloud.count(Outcome::kKept), drive.num_frames);
   // Without reading ahead only the last clouds have waited less than tf_wait (2 s) when the rest of tf comes.
-  EXPECT_EQ(play({directory_ + "/late.bag"}, directory_ + "/b", 0).cloud.count(Outcome::kKept), 3U);
+  EXPECT_EQ(play({scratch_ / "late.bag"}, scratch_ / "b", 0).cloud.count(Outcome::kKept), 3U);
 }
 
 TEST_F(BagTest, LoopedRecordingIsReadToItsEnd) {
   testing_ros::SmallDrive drive;
   drive.loops = 2;
-  drive.write(directory_ + "/looped.bag");
-  const CollectorStats stats = play({directory_ + "/looped.bag"}, directory_ + "/recording", 2);
+  drive.write(scratch_ / "looped.bag");
+  const CollectorStats stats = play({scratch_ / "looped.bag"}, scratch_ / "recording", 2);
   EXPECT_GE(stats.time_jumps, 1U);
   EXPECT_EQ(stats.cloud.count(Outcome::kKept), 2 * drive.num_frames);
 }
@@ -189,8 +182,8 @@ TEST_F(BagTest, LoopedRecordingIsReadToItsEnd) {
 /// In the messages, and as the time when the bag received them.
 TEST_F(BagTest, StampsOutOfRangeCostTheirMessagesOnly) {
   const testing_ros::SmallDrive drive;
-  drive.write(directory_ + "/bad.bag");
-  rosbag::Bag bag(directory_ + "/bad.bag", rosbag::bagmode::Append);
+  drive.write(scratch_ / "bad.bag");
+  rosbag::Bag bag(scratch_ / "bad.bag", rosbag::bagmode::Append);
   const ros::Time last(4294967295U, 999999999U);
   auto cloud = drive.cloud(3);
   auto transform = drive.pose(3);
@@ -200,7 +193,7 @@ TEST_F(BagTest, StampsOutOfRangeCostTheirMessagesOnly) {
   bag.write("/tf", last, transform);
   bag.write("/points", last, cloud);
   bag.close();
-  const CollectorStats stats = play({directory_ + "/bad.bag"}, directory_ + "/recording", 2);
+  const CollectorStats stats = play({scratch_ / "bad.bag"}, scratch_ / "recording", 2);
   EXPECT_EQ(stats.cloud.count(Outcome::kKept), drive.num_frames);
   EXPECT_EQ(stats.cloud.count(Outcome::kBadStamp), 2U);
   EXPECT_EQ(stats.cameras[0].count(Outcome::kKept), drive.num_frames);
@@ -210,18 +203,18 @@ TEST_F(BagTest, StampsOutOfRangeCostTheirMessagesOnly) {
 TEST_F(BagTest, SeveralBagsAreReadAsOne) {
   testing_ros::SmallDrive first, second;
   second.first_stamp = first.first_stamp + 60;
-  first.write(directory_ + "/1.bag");
-  second.write(directory_ + "/2.bag");
-  const CollectorStats stats = play({directory_ + "/2.bag", directory_ + "/1.bag"}, directory_ + "/recording", 2);
+  first.write(scratch_ / "1.bag");
+  second.write(scratch_ / "2.bag");
+  const CollectorStats stats = play({scratch_ / "2.bag", scratch_ / "1.bag"}, scratch_ / "recording", 2);
   EXPECT_EQ(stats.cloud.count(Outcome::kKept), first.num_frames + second.num_frames);
   EXPECT_EQ(stats.time_jumps, 0U);
 }
 
 TEST_F(BagTest, CanBeCancelled) {
-  testing_ros::SmallDrive().write(directory_ + "/small.bag");
+  testing_ros::SmallDrive().write(scratch_ / "small.bag");
   Callbacks callbacks;
   callbacks.cancelled = [] { return true; };
-  EXPECT_THROW(play({directory_ + "/small.bag"}, directory_ + "/recording", 2, callbacks), Cancelled);
+  EXPECT_THROW(play({scratch_ / "small.bag"}, scratch_ / "recording", 2, callbacks), Cancelled);
 }
 
 }  // namespace

@@ -4,13 +4,13 @@
 #include "cloud_colorizer/ros/collector.hpp"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <boost/make_shared.hpp>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
 #include "cloud_colorizer/ros/conversions.hpp"
+#include "core/scratch.hpp"
 #include "ros/messages.hpp"
 
 namespace cloud_colorizer {
@@ -26,8 +26,6 @@ using testing_ros::transformMessage;
 class CollectorTest : public testing::Test {
  protected:
   CollectorTest() {
-    char name[] = "/tmp/collector_test_XXXXXX";
-    directory_ = mkdtemp(name);
     params_.tf_wait = 1;
     params_.record.voxel_size = 0;
     params_.record.min_range = 0;
@@ -36,12 +34,11 @@ class CollectorTest : public testing::Test {
   ~CollectorTest() override {
     collector_.reset();
     recorder_.reset();
-    std::filesystem::remove_all(directory_);
   }
 
   Collector& collector() {
     if (!collector_) {
-      recorder_ = std::make_unique<Recorder>(directory_ + "/recording", "map", params_.record);
+      recorder_ = std::make_unique<Recorder>(scratch_ / "recording", "map", params_.record);
       CollectorEvents events;
       events.log = [this](LogLevel, const std::string& text) { log_.push_back(text); };
       collector_ = std::make_unique<Collector>(*recorder_, params_, events);
@@ -99,7 +96,7 @@ class CollectorTest : public testing::Test {
     return false;
   }
 
-  std::string directory_;
+  ScratchDirectory scratch_;
   CollectorParams params_;
   std::unique_ptr<Recorder> recorder_;
   std::unique_ptr<Collector> collector_;
@@ -346,7 +343,7 @@ TEST_F(CollectorTest, ImagesBeyondTheLargestSizeAreRefused) {
 }
 
 TEST_F(CollectorTest, MaskOfAnotherSizeIsNotIgnored) {
-  params_.cameras[0].mask = directory_ + "/mask.png";
+  params_.cameras[0].mask = scratch_ / "mask.png";
   cv::imwrite(params_.cameras[0].mask, cv::Mat(5, 5, CV_8UC1, cv::Scalar(255)));
   drive(10, 13);
   addInfo();
@@ -356,7 +353,7 @@ TEST_F(CollectorTest, MaskOfAnotherSizeIsNotIgnored) {
 }
 
 TEST_F(CollectorTest, MissingMaskIsAnError) {
-  params_.cameras[0].mask = directory_ + "/no_such_mask.png";
+  params_.cameras[0].mask = scratch_ / "no_such_mask.png";
   EXPECT_THROW(collector(), std::runtime_error);
 }
 
@@ -395,7 +392,7 @@ TEST_F(CollectorTest, AnotherRecordingBeginsWithItsOwnViewsAndCounters) {
   addInfo();
   addImage(10);
   finished();
-  Recorder other(directory_ + "/other", "map", params_.record);
+  Recorder other(scratch_ / "other", "map", params_.record);
   collector().useRecorder(other);
   EXPECT_EQ(collector().stats().cameras[0].received, 0U);
   addImage(10.1);
@@ -414,7 +411,7 @@ TEST_F(CollectorTest, LateTransformsGiveTheSameRecordingAsEarlyOnes) {
   const Recording late = finished();
   collector_.reset();
   recorder_.reset();
-  std::filesystem::rename(directory_ + "/recording", directory_ + "/late");
+  std::filesystem::rename(scratch_ / "recording", scratch_ / "late");
   drive(10, 11);
   addInfo();
   for (int i = 0; i <= 9; ++i) {

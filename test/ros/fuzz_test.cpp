@@ -7,11 +7,8 @@
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
 #include <sensor_msgs/image_encodings.h>
-#include <stdlib.h>
 
 #include <boost/make_shared.hpp>
-#include <filesystem>
-#include <fstream>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <random>
@@ -19,6 +16,7 @@
 #include "cloud_colorizer/ros/bag_source.hpp"
 #include "cloud_colorizer/ros/collector.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
+#include "core/scratch.hpp"
 #include "ros/small_bag.hpp"
 
 namespace cloud_colorizer {
@@ -299,18 +297,15 @@ void giveMutated(unsigned seed, int count, const Give& give) {
 class FuzzTest : public testing::Test {
  protected:
   FuzzTest() {
-    char name[] = "/tmp/fuzz_test_XXXXXX";
-    directory_ = mkdtemp(name);
     params_.cameras.resize(2);
     params_.cameras[0].time_offset = -0.01;
-    params_.cameras[1].mask = directory_ + "/mask.png";
+    params_.cameras[1].mask = scratch_ / "mask.png";
     params_.max_image_size = kMaxImageSize;
     params_.record.min_range = 0;
     params_.record.max_range = 1000;
     params_.record.keyframe_distance = 0.1;
     cv::imwrite(params_.cameras[1].mask, cv::Mat1b(48, 64, 255));
   }
-  ~FuzzTest() override { std::filesystem::remove_all(directory_); }
 
   static void expectAllCounted(const CollectorStats& stats) {
     std::vector<StreamStats> streams = stats.cameras;
@@ -323,7 +318,7 @@ class FuzzTest : public testing::Test {
   }
 
   void expectReadable() const {
-    const Recording recording = Recording::open(directory_ + "/recording");
+    const Recording recording = Recording::open(scratch_ / "recording");
     EXPECT_TRUE(recording.origin().allFinite());
     for (std::size_t i = 0; i < recording.tiles().size(); ++i) EXPECT_TRUE(recording.readPoints(i).allFinite());
     for (const RecordedCamera& camera : recording.cameras()) {
@@ -335,12 +330,12 @@ class FuzzTest : public testing::Test {
     }
   }
 
-  std::string directory_;
+  ScratchDirectory scratch_;
   CollectorParams params_;
 };
 
 TEST_F(FuzzTest, CollectorCountsEveryMessageAndThrowsNothing) {
-  Recorder recorder(directory_ + "/recording", "map", params_.record);
+  Recorder recorder(scratch_ / "recording", "map", params_.record);
   Collector collector(recorder, params_, {});
   collector.addTransforms(testing_ros::SmallDrive::fixedFrames(), true);
   struct {
@@ -366,7 +361,7 @@ TEST_F(FuzzTest, CollectorCountsEveryMessageAndThrowsNothing) {
 }
 
 TEST_F(FuzzTest, BagIsReadToItsEnd) {
-  const std::string file = directory_ + "/bad.bag";
+  const std::string file = scratch_ / "bad.bag";
   Mutator mutator(3);
   {
     rosbag::Bag bag(file, rosbag::bagmode::Write);
@@ -378,7 +373,7 @@ TEST_F(FuzzTest, BagIsReadToItsEnd) {
     });
   }
   BagSource source({file});
-  Recorder recorder(directory_ + "/recording", "map", params_.record);
+  Recorder recorder(scratch_ / "recording", "map", params_.record);
   Collector collector(recorder, params_, {});
   ASSERT_NO_THROW(source.play(guessRig(source.topics()), 2, collector, {}));
   recorder.flush();
@@ -387,15 +382,13 @@ TEST_F(FuzzTest, BagIsReadToItsEnd) {
 }
 
 TEST_F(FuzzTest, DamagedMasksAreReadOrNamed) {
-  std::ifstream in(params_.cameras[1].mask, std::ios::binary);
-  const std::vector<char> whole{std::istreambuf_iterator<char>(in), {}};
-  Recorder recorder(directory_ + "/recording", "map", params_.record);
+  const std::string whole = readText(params_.cameras[1].mask);
+  Recorder recorder(scratch_ / "recording", "map", params_.record);
   Mutator mutator(4);
   for (int i = 0; i < 200; ++i) {
     std::vector<std::uint8_t> bytes(whole.begin(), whole.end());
     mutator.bytes(bytes);
-    std::ofstream(params_.cameras[1].mask, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    writeText(params_.cameras[1].mask, {bytes.begin(), bytes.end()});
     try {
       Collector collector(recorder, params_, {});
     } catch (const std::runtime_error& error) {
