@@ -92,6 +92,7 @@ CloudLayout CloudLayout::ofFile(const CloudHeader& header, const std::string& pa
   auto fields = header.fields;
   std::size_t stride = 0, num_values = 0;
   for (auto& [field, wide, offset] : fields) {
+    if (header.encoding == Encoding::kAscii) wide = Wide::kNo;  // the line is read as float64
     offset = stride;
     stride += sizeOf(field.type) * field.count;
     num_values += field.count;
@@ -139,14 +140,7 @@ std::string CloudLayout::parseLine(const char* line, std::uint8_t* raw) const {
   for (const auto& scalar : scalars_) {
     double number = 0;
     if (!parseDouble(line, number)) return "it needs " + std::to_string(scalars_.size()) + " numbers";
-    auto* target = raw + scalar.offset;
-    if (scalar.wide == Wide::kInt64) {
-      const auto integer = static_cast<std::int64_t>(std::abs(number) < 9e18 ? number : 0);
-      std::memcpy(target, &integer, sizeof integer);
-    } else if (scalar.wide == Wide::kUint64) {
-      const auto integer = static_cast<std::uint64_t>(number >= 0 && number < 1.8e19 ? number : 0);
-      std::memcpy(target, &integer, sizeof integer);
-    } else if (!storeNumber(number, scalar.type, target)) {
+    if (!storeNumber(number, scalar.type, raw + scalar.offset)) {
       return "the value " + formatDouble(number) + " does not fit its field";
     }
   }
