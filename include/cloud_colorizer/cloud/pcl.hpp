@@ -13,8 +13,8 @@
 namespace cloud_colorizer {
 
 /// Positions and all fields, of any type that sensor_msgs/PointField knows; NaN passes through. Throws
-/// std::invalid_argument, with field or size, for a missing x, y or z, a field twice, another type, or sizes that
-/// contradict each other.
+/// std::invalid_argument, with field or size, for a missing x, y or z, a field twice, another type, a million
+/// numbers a point or more, or sizes that contradict each other.
 Cloud toCloud(const pcl::PCLPointCloud2& points);
 
 template <class PointT>

@@ -61,7 +61,11 @@ CloudLayout::CloudLayout(std::vector<PlacedField> fields, std::size_t stride, bo
     : placed_(std::move(fields)), stride_(stride), swap_bytes_(swap_bytes) {
   using Invalid = std::invalid_argument;
   std::array<bool, 3> found{};
+  std::size_t num_values = 0;
   for (const auto& [field, wide, offset] : placed_) {
+    num_values += field.count;
+    require<Invalid>(num_values <= kMaxValues, "a point of ", num_values, " numbers is too large; at most ", kMaxValues,
+                     " can be read");
     const auto size = sizeOf(field.type);
     const auto axis = field.name.size() == 1 ? std::string("xyz").find(field.name) : std::string::npos;
     const bool is_kept = axis == std::string::npos && field.name != "_";
@@ -90,15 +94,12 @@ CloudLayout::CloudLayout(std::vector<PlacedField> fields, std::size_t stride, bo
 
 CloudLayout CloudLayout::ofFile(const CloudHeader& header, const std::string& path) {
   auto fields = header.fields;
-  std::size_t stride = 0, num_values = 0;
+  std::size_t stride = 0;
   for (auto& [field, wide, offset] : fields) {
     if (header.encoding == Encoding::kAscii) wide = Wide::kNo;  // the line is read as float64
     offset = stride;
     stride += sizeOf(field.type) * field.count;
-    num_values += field.count;
   }
-  require(num_values <= kMaxValues, path, ": a point of ", num_values, " numbers is too large; at most ", kMaxValues,
-          " can be read");
   try {
     return {std::move(fields), stride, header.encoding == Encoding::kBinaryBigEndian};
   } catch (const std::invalid_argument& error) {

@@ -112,6 +112,9 @@ TEST(Pcl, WhatDoesNotFitIsExplained) {
   for (auto& field : blob.fields) field.offset = 0;
   blob.fields[4].count = 22;
   EXPECT_ERROR(toCloud(blob), "overlap");
+  blob.point_step = 4'000'000'000;  // the memory of this many is not taken
+  blob.fields[4].count = 1'000'000'000;
+  EXPECT_ERROR(toCloud(blob), "numbers is too large");
   blob = good;
   blob.data.pop_back();
   EXPECT_ERROR(toCloud(blob), "data has");
