@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "simulation/random.hpp"
 
@@ -57,31 +58,27 @@ Eigen::Vector3d errorDirection(std::uint64_t key) {
   return std::sqrt(3.0) * v.normalized();
 }
 
+struct Lens {
+  double fx, fy;  // of the image's width
+  std::vector<double> distortion;
+};
+
 Intrinsics intrinsicsOf(const Options& options, DistortionModel model) {
+  static const std::map<DistortionModel, Lens> kLenses = {
+      {DistortionModel::kPlumbBob, {0.56, 0.561, {-0.26, 0.075, 0.0006, -0.0004, -0.004}}},
+      {DistortionModel::kRationalPolynomial, {0.575, 0.574, {0.31, 0.02, -0.0005, 0.0003, 0.001, 0.5, 0.06, 0.003}}},
+      {DistortionModel::kEquidistant, {0.39, 0.3905, {-0.012, 0.004, -0.002, 0.0003}}}};
+  const Lens& lens = kLenses.at(model);
   const double w = options.width;
   Intrinsics k;
   k.width = options.width;
   k.height = options.height;
   k.model = model;
+  k.fx = lens.fx * w;
+  k.fy = lens.fy * w;
   k.cx = 0.5 * (w - 1) + 0.006 * w;
   k.cy = 0.5 * (options.height - 1) - 0.004 * w;
-  switch (model) {
-    case DistortionModel::kPlumbBob:
-      k.fx = 0.56 * w;
-      k.fy = 0.561 * w;
-      k.distortion = {-0.26, 0.075, 0.0006, -0.0004, -0.004};
-      break;
-    case DistortionModel::kRationalPolynomial:
-      k.fx = 0.575 * w;
-      k.fy = 0.574 * w;
-      k.distortion = {0.31, 0.02, -0.0005, 0.0003, 0.001, 0.5, 0.06, 0.003};
-      break;
-    case DistortionModel::kEquidistant:
-      k.fx = 0.39 * w;
-      k.fy = 0.3905 * w;
-      k.distortion = {-0.012, 0.004, -0.002, 0.0003};
-      break;
-  }
+  k.distortion = lens.distortion;
   return k;
 }
 

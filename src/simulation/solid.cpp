@@ -119,15 +119,12 @@ bool Solid::intersectPrism(const Eigen::Vector3d& o, const Eigen::Vector3d& d, d
     interval.cut(plane.x() * o.x() + plane.y() * o.z() + plane.z(), plane.x() * d.x() + plane.y() * d.z(), i);
   }
   if (!interval.entersWithin(max_distance)) return false;
-  hit.distance = interval.enter;
-  hit.point = o + interval.enter * d;
-  hit.face = interval.face;
-  if (interval.face >= n) {
-    hit.normal = Eigen::Vector3d(0, interval.face == n ? -1 : 1, 0);
-  } else {
+  Eigen::Vector3d normal(0, interval.face == n ? -1 : 1, 0);
+  if (interval.face < n) {
     const Eigen::Vector3d& plane = planes_[static_cast<std::size_t>(interval.face)];
-    hit.normal = Eigen::Vector3d(plane.x(), 0, plane.y());
+    normal = {plane.x(), 0, plane.y()};
   }
+  hit = {interval.enter, o + interval.enter * d, normal, interval.face};
   return true;
 }
 
@@ -152,11 +149,10 @@ bool Solid::intersectCylinder(const Eigen::Vector3d& o, const Eigen::Vector3d& d
     return false;
   }
   if (!interval.entersWithin(max_distance)) return false;
-  hit.distance = interval.enter;
-  hit.point = o + interval.enter * d;
-  hit.face = interval.face;
-  hit.normal = interval.face == 0 ? Eigen::Vector3d(hit.point.x(), hit.point.y(), 0).normalized()
-                                  : Eigen::Vector3d(0, 0, interval.face == 1 ? -1 : 1);
+  const Eigen::Vector3d point = o + interval.enter * d;
+  const Eigen::Vector3d normal = interval.face == 0 ? Eigen::Vector3d(point.x(), point.y(), 0).normalized()
+                                                    : Eigen::Vector3d(0, 0, interval.face == 1 ? -1 : 1);
+  hit = {interval.enter, point, normal, interval.face};
   return true;
 }
 
@@ -168,10 +164,8 @@ bool Solid::intersectSphere(const Eigen::Vector3d& o, const Eigen::Vector3d& d, 
   if (discriminant <= 0 || c <= 0) return false;
   const double t = -b - std::sqrt(discriminant);
   if (t <= 0 || t >= max_distance) return false;
-  hit.distance = t;
-  hit.point = o + t * d;
-  hit.normal = hit.point.normalized();
-  hit.face = 0;
+  const Eigen::Vector3d point = o + t * d;
+  hit = {t, point, point.normalized(), 0};
   return true;
 }
 
@@ -180,11 +174,8 @@ LocalHit Solid::closest(const Eigen::Vector3d& point, double time) const {
   const Eigen::Vector3d p = local_from_map_rotation_ * offset;
   if (primitive_.shape == Shape::kPrism) return closestOnPrism(p);
   if (primitive_.shape == Shape::kCylinder) return closestOnCylinder(p);
-  LocalHit hit;
-  hit.normal = p.norm() > 0 ? p.normalized() : Eigen::Vector3d::UnitZ();
-  hit.point = primitive_.radius * hit.normal;
-  hit.distance = p.norm() - primitive_.radius;
-  return hit;
+  const Eigen::Vector3d normal = p.norm() > 0 ? p.normalized() : Eigen::Vector3d::UnitZ();
+  return {p.norm() - primitive_.radius, primitive_.radius * normal, normal, 0};
 }
 
 LocalHit Solid::closestOnPrism(const Eigen::Vector3d& p) const {
@@ -210,16 +201,15 @@ LocalHit Solid::closestOnPrism(const Eigen::Vector3d& p) const {
   const double beyond_end = std::abs(p.y()) - half;
   const bool use_end = beyond_end > (outside > 0 ? best : outside);
   const bool is_inside = outside <= 0 && beyond_end <= 0;
-  LocalHit hit;
   const Eigen::Vector2d xz = outside > 0 || (is_inside && !use_end) ? on_outline : flat(p);
   const double y =
       is_inside && !use_end ? p.y() : (use_end ? std::copysign(half, p.y()) : std::clamp(p.y(), -half, half));
-  hit.point = Eigen::Vector3d(xz.x(), y, xz.y());
-  hit.face = use_end ? static_cast<int>(n) + (p.y() > 0 ? 1 : 0) : edge;
+  const Eigen::Vector3d point(xz.x(), y, xz.y());
   const Eigen::Vector3d& plane = planes_[static_cast<std::size_t>(edge)];
-  hit.normal = use_end ? Eigen::Vector3d(0, std::copysign(1, p.y()), 0) : Eigen::Vector3d(plane.x(), 0, plane.y());
-  hit.distance = (is_inside ? -1 : 1) * (hit.point - p).norm();
-  return hit;
+  const Eigen::Vector3d normal =
+      use_end ? Eigen::Vector3d(0, std::copysign(1, p.y()), 0) : Eigen::Vector3d(plane.x(), 0, plane.y());
+  return {(is_inside ? -1 : 1) * (point - p).norm(), point, normal,
+          use_end ? static_cast<int>(n) + (p.y() > 0 ? 1 : 0) : edge};
 }
 
 LocalHit Solid::closestOnCylinder(const Eigen::Vector3d& p) const {
@@ -232,12 +222,9 @@ LocalHit Solid::closestOnCylinder(const Eigen::Vector3d& p) const {
   const bool is_inside = outside <= 0 && beyond_end <= 0;
   const double rho = outside > 0 || (is_inside && !use_end) ? primitive_.radius : from_axis;
   const double z = beyond_end > 0 || (is_inside && use_end) ? std::copysign(primitive_.half_length, p.z()) : p.z();
-  LocalHit hit;
-  hit.point = rho * radial + Eigen::Vector3d(0, 0, z);
-  hit.face = !use_end ? 0 : (p.z() > 0 ? 2 : 1);
-  hit.normal = use_end ? Eigen::Vector3d(0, 0, std::copysign(1, p.z())) : radial;
-  hit.distance = (is_inside ? -1 : 1) * (hit.point - p).norm();
-  return hit;
+  const Eigen::Vector3d point = rho * radial + Eigen::Vector3d(0, 0, z);
+  const Eigen::Vector3d normal = use_end ? Eigen::Vector3d(0, 0, std::copysign(1, p.z())) : radial;
+  return {(is_inside ? -1 : 1) * (point - p).norm(), point, normal, !use_end ? 0 : (p.z() > 0 ? 2 : 1)};
 }
 
 FacePoint Solid::facePoint(const LocalHit& hit, float footprint) const {
