@@ -7,13 +7,14 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "alignment/motion.hpp"
 #include "evaluation/score.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
 using Eigen::Index;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Vector6 = alignment::Twist;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr Index kMinPoints = 100, kMaxPoints = 30000;
@@ -92,14 +93,6 @@ class Problem {
   double gain_ = 1;
 };
 
-Eigen::Isometry3d moved(const Eigen::Isometry3d& pose, const Vector6& twist) {
-  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-  const double angle = twist.head<3>().norm();
-  if (angle > 0) motion.linear() = Eigen::AngleAxisd(angle, twist.head<3>() / angle).toRotationMatrix();
-  motion.translation() = twist.tail<3>();
-  return motion * pose;
-}
-
 }  // namespace
 
 Eigen::Isometry3d refinePose(PointsRef points, ValuesRef colors, const Camera& camera, const cv::Mat3b& image,
@@ -123,7 +116,7 @@ Eigen::Isometry3d refinePose(PointsRef points, ValuesRef colors, const Camera& c
       Matrix6 damped = h;
       damped.diagonal() *= 1 + damping;
       damped.diagonal().array() += 1e-9;
-      const Eigen::Isometry3d candidate = moved(pose, -damped.ldlt().solve(g));
+      const Eigen::Isometry3d candidate = alignment::motion(-damped.ldlt().solve(g)) * pose;
       Matrix6 new_h;
       Vector6 new_g;
       const double new_cost = problem.linearize(blurred, candidate, &new_h, &new_g);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "alignment/motion.hpp"
 #include "simulation/random.hpp"
 
 namespace cloud_colorizer::simulation {
@@ -24,11 +25,7 @@ Eigen::Isometry3d poseOf(const Eigen::Vector3d& position, double yaw, double pit
 
 /// A small motion from its rotation vector [rad] and translation [m].
 Eigen::Isometry3d smallMotion(const Eigen::Vector3d& rotation, const Eigen::Vector3d& translation) {
-  const double angle = rotation.norm();
-  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-  if (angle > 0) motion.linear() = Eigen::AngleAxisd(angle, rotation / angle).toRotationMatrix();
-  motion.translation() = translation;
-  return motion;
+  return alignment::motion((alignment::Twist() << rotation, translation).finished());
 }
 
 /// A smooth random process of mean 0 and standard deviation 1 whose values 0.1 s apart hardly depend on each other.
