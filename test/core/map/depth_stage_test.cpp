@@ -26,7 +26,7 @@ TEST(RenderDepth, LooksFromThePoseThatIsAskedFor) {
   Workspace work(recorder.snapshot(), {});
   makeSurfels(work, {});
 
-  const auto depthAhead = [&](const Eigen::Isometry3d& pose) { return renderDepth(work, 0, pose).depth(25, 25); };
+  const auto depthAhead = [&](const Eigen::Isometry3d& pose) { return renderDepth(work, 0, pose, {}).depth(25, 25); };
   EXPECT_TRUE(std::isinf(depthAhead(Eigen::Isometry3d::Identity())));
   EXPECT_NEAR(depthAhead(Eigen::Isometry3d(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY()))), 5, 0.1);
 }
