@@ -237,6 +237,10 @@ std::string helpText(const CommandSpec& spec) {
   return out.str();
 }
 
+const char* versionText() {
+  return "cloud_colorizer " CLOUD_COLORIZER_VERSION;
+}
+
 std::string describeProgress(const Progress& progress) {
   std::ostringstream out;
   out << progress.stage;
@@ -271,7 +275,7 @@ int runMain(int argc, const char* const* argv, const CommandSpec& spec,
       return 0;
     }
     if (line.version) {
-      std::cout << "cloud_colorizer " CLOUD_COLORIZER_VERSION << std::endl;
+      std::cout << versionText() << std::endl;
       return 0;
     }
     catchSignals();

@@ -85,6 +85,9 @@ CommandLine parseCommandLine(int argc, const char* const* argv, const CommandSpe
 /// Usage, options, parameters with defaults (those that matter most first), exit codes.
 std::string helpText(const CommandSpec& spec);
 
+/// What --version tells.
+const char* versionText();
+
 /// One line: "colour  45 % (9 of 20 chunks), 210000 points/s, 12 s left".
 std::string describeProgress(const Progress& progress);
 

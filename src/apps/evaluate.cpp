@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "apps/command_line.hpp"
 #include "apps/evaluate_commands.hpp"
 
 namespace {
@@ -33,6 +34,10 @@ int main(int argc, char** argv) {
   const std::string command = argc > 1 ? argv[1] : "";
   if (command == "--help" || command == "-h") {
     std::fputs(kHelp, stdout);
+    return 0;
+  }
+  if (command == "--version") {
+    std::puts(versionText());
     return 0;
   }
   const auto found = commands.find(command);

@@ -19,10 +19,10 @@
 
 namespace cloud_colorizer {
 
-/// What may move: nothing, each camera on its vehicle, or each view as well.
+/// Whose poses are corrected: none, each camera's on its vehicle, or each view's as well.
 enum class AlignPoses { kNone, kCameras, kViews };
 
-/// A prior is the standard deviation of an error that is expected: a correction must pay for its size.
+/// Priors are standard deviations of expected errors; the larger a correction, the more the images must gain by it.
 struct AlignmentParams {
   bool align_exposure = true;  ///< a gain for every view and channel
   /// And a darkening outwards for every camera. Not by default: to a camera that drives ahead, points move outwards as

@@ -31,10 +31,10 @@ std::vector<std::uint64_t> zorderKeys(PointsRef points, const ZOrderGrid& grid);
 constexpr int kMaxPasses = 4;
 std::uint64_t zorderMask(int pass);
 
-/// Keys on the grid of one pass: pass / 5 of 2^20 cells further along every axis (modulo 2^21). What lies at the border
-/// of a block, of whatever size, in one pass lies well inside of its block in another: T. M. Chan, "Approximate nearest
-/// neighbor queries revisited", Discrete & Computational Geometry 20, 1998. Points in a cube of 2^20 cells, as gridOf
-/// makes it, stay together. Throws std::invalid_argument for another pass.
+/// Keys on a grid of each pass' own, shifted by pass / 5 of 2^20 cells along every axis (modulo 2^21): two points that
+/// a border between blocks parts in one pass are in one block in another, whatever the size of the blocks. T. M. Chan,
+/// "Approximate nearest neighbor queries revisited", Discrete & Computational Geometry 20, 1998. A cube of 2^20 cells,
+/// as gridOf makes it, stays together. Throws std::invalid_argument for another pass.
 std::vector<std::uint64_t> shiftedKeys(const std::vector<std::uint64_t>& keys, int pass);
 
 /// Indices by ascending `key ^ mask`; equal keys by ascending index. A radix sort, O(n) but for points that lie much

@@ -49,12 +49,7 @@ PoseData Aligner::dataOf(const BlurredImages& images) const {
 
 void Aligner::show(std::size_t done, std::size_t total) const {
   throwIfCancelled(workers_.callbacks);
-  if (!workers_.callbacks.progress) return;
-  Progress progress;
-  progress.stage = "align poses";
-  progress.done = done;
-  progress.total = total;
-  workers_.callbacks.progress(progress);
+  if (workers_.callbacks.progress) workers_.callbacks.progress({"align poses", done, total, 0, -1});
 }
 
 void Aligner::log(const std::string& text) const {
@@ -149,7 +144,7 @@ std::vector<double> Aligner::levels() const {
 void Aligner::updateGains(PoseData data) {
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(log_gains_.size());
   data.log_gains = &none;
-  const GreyValues grey = greyValues(data, state_);
+  const SightValues grey = greyValues(data, state_);
   log_gains_ = estimateLogGains(tracks_, grey.values, grey.weights, kMaxGain, workers_);
 }
 

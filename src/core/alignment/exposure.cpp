@@ -14,22 +14,17 @@
 namespace cloud_colorizer::alignment {
 namespace {
 
-// Value of every observation in one channel; weight 0 where it has no vote.
-struct Channel {
-  std::vector<float> values, weights;
-};
-
 struct Channels {
-  std::vector<Channel> channels{3};  // a grey image counts three times
-  std::vector<int> in_image;         // by view; 0 where it sees no point
+  std::vector<SightValues> channels{3};  // a grey image counts three times
+  std::vector<int> in_image;             // by view; 0 where it sees no point
 };
 
 Channels sampleChannels(const AlignmentInput& input, const Tracks& tracks, const PoseState& state, double sigma,
                         const Workers& workers) {
   Channels result;
   result.in_image.assign(tracks.numViews(), 0);
-  std::vector<Channel>& channels = result.channels;
-  for (Channel& channel : channels) {
+  std::vector<SightValues>& channels = result.channels;
+  for (SightValues& channel : channels) {
     channel.values.assign(tracks.numObservations(), 0);
     channel.weights.assign(tracks.numObservations(), 0);
   }
@@ -55,14 +50,14 @@ Channels sampleChannels(const AlignmentInput& input, const Tracks& tracks, const
 
 // Undoes what the cameras' lenses darken, in all channels.
 void brighten(const AlignmentInput& input, const Tracks& tracks, const PoseState& state,
-              const std::vector<Exposure>& exposures, std::vector<Channel>& channels, const Workers& workers) {
+              const std::vector<Exposure>& exposures, std::vector<SightValues>& channels, const Workers& workers) {
   workers.forEach(tracks.numViews(), [&](std::size_t v) {
     const Intrinsics& intrinsics = input.cameras[input.views[v].camera].intrinsics();
     const auto width = static_cast<float>(intrinsics.width), height = static_cast<float>(intrinsics.height);
     forEachSight(input, tracks, state, v, 0, [&](auto k, const auto&, const auto& projected) {
       const Eigen::Vector2f at = projected.pixel.template cast<float>();
       const float factor = exposures[v].brightening(at.x(), at.y(), width, height);
-      for (Channel& channel : channels) channel.values[k] *= factor;
+      for (SightValues& channel : channels) channel.values[k] *= factor;
     });
   });
 }
@@ -85,13 +80,13 @@ std::vector<Exposure> estimateExposures(const AlignmentInput& input, const Track
   for (Exposure& exposure : exposures) exposure.gain = Eigen::ArrayXf::Ones(3);
   Channels sampled = sampleChannels(input, tracks, state, sigma, workers);
   if (with_vignetting) {
-    const Channel& green = sampled.channels[1];
+    const SightValues& green = sampled.channels[1];
     const auto vignetting = estimateVignetting(input, tracks, state, green.values, green.weights, workers);
     for (std::size_t v = 0; v < exposures.size(); ++v) exposures[v].vignetting = vignetting[input.views[v].camera];
     brighten(input, tracks, state, exposures, sampled.channels, workers);
   }
   for (Eigen::Index c = 0; c < 3; ++c) {
-    const Channel& channel = sampled.channels[static_cast<std::size_t>(c)];
+    const SightValues& channel = sampled.channels[static_cast<std::size_t>(c)];
     Eigen::VectorXd gains = estimateLogGains(tracks, channel.values, channel.weights, kMaxGain, workers);
     shrinkGains(gains);
     for (std::size_t v = 0; v < exposures.size(); ++v) {
@@ -106,7 +101,7 @@ std::vector<float> sharpnessWeights(const AlignmentInput& input, const Tracks& t
                                     const std::vector<Exposure>& exposures, const Workers& workers) {
   constexpr double kSigma = 0.7;  // px: less would measure noise
   constexpr float kMinEdge = 4;   // grey levels a px: weaker gradients are noise
-  Channel channel{std::vector<float>(tracks.numObservations(), 0), std::vector<float>(tracks.numObservations(), 0)};
+  SightValues channel{std::vector<float>(tracks.numObservations(), 0), std::vector<float>(tracks.numObservations(), 0)};
   workers.forEach(tracks.numViews(), [&](std::size_t v) {
     if (tracks.offsets[v] == tracks.offsets[v + 1]) return;
     const auto mask = loadMask(input, v);

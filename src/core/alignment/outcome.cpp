@@ -65,7 +65,7 @@ PoseState Aligner::uncorrectedViews() const {
 // Median distance of each view's observations to their points' medians, and of all.
 std::vector<float> Aligner::residuals(const PoseState& state, std::vector<float>& by_view) const {
   const BlurredImages images(input_, kFinestBlur);
-  const GreyValues grey = greyValues(dataOf(images), state);
+  const SightValues grey = greyValues(dataOf(images), state);
   const std::vector<float> medians = pointMedians(tracks_, grey.values, grey.weights);
   std::vector<float> all;
   by_view.assign(tracks_.numViews(), 0);

@@ -84,7 +84,7 @@ PoseRounds refinePoses(const PoseData& data, const PosePriors& priors, PoseState
   return result;
 }
 
-GreyValues greyValues(const PoseData& data, const PoseState& state) {
+SightValues greyValues(const PoseData& data, const PoseState& state) {
   Equations<6> equations = viewEquations(data, state).equations;
   return {std::move(equations.values), std::move(equations.weights)};
 }

@@ -39,10 +39,7 @@ PoseRounds refinePoses(const PoseData& data, const PosePriors& priors, PoseState
 /// nothing moves. The capture range of Gauss-Newton is some pixels; a clock can be off by much more.
 double searchTimeOffset(const PoseData& data, const PosePriors& priors, const PoseState& state);
 
-/// Grey level of every observation, without gain; weight 0 where there is none.
-struct GreyValues {
-  std::vector<float> values, weights;
-};
-GreyValues greyValues(const PoseData& data, const PoseState& state);
+/// Grey level of every observation, without gain.
+SightValues greyValues(const PoseData& data, const PoseState& state);
 
 }  // namespace cloud_colorizer::alignment

@@ -31,7 +31,7 @@ struct PoseShrinkage {
 
 /// Factor of a group; `uncertainty` and `size` (root mean square) in the same unit.
 double shrinkFactor(double size, double uncertainty);
-/// Of a member of a group: where it stands out (at a bound half as high again), its own size counts.
+/// Of one member of a group: the larger of the group's factor and its own, the latter with 1.5 times the uncertainty.
 double shrinkFactor(double group_size, double own_size, double uncertainty);
 
 /// Shrinks what is in `state`, where refinePoses() has converged with the same data and priors.

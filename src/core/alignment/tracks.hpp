@@ -33,6 +33,11 @@ struct Tracks {
   std::size_t numObservations() const { return sights.size(); }
 };
 
+/// A number for every observation; weight 0 where there is none.
+struct SightValues {
+  std::vector<float> values, weights;
+};
+
 /// The sample points that a view at a pose sees clearly, ascending: at most `max_points`, the same choice of points in
 /// all views. `runs` are those of input.points.
 std::vector<Sight> findSights(const AlignmentInput& input, const std::vector<PointRun>& runs, std::size_t view,

@@ -157,7 +157,7 @@ Visibility DepthImage::test(const Eigen::Vector2f& pixel, const Eigen::Vector3f&
     const float own = kCellSlack * cell * std::sqrt(1 - cosine * cosine) / cosine + thickness / cosine;
     if (!(behind <= share + std::min(own, seen))) return Visibility::kHidden;
   }
-  // What is there has its own splat: only in front of all splats it is worth to ask.
+  // A point that is there was splatted itself. So only one that is nearer than all splats can be absent.
   if (behind < -share - thickness && empty_space && empty_space->contains(point)) return Visibility::kAbsent;
   return edge(row, col) != 0 ? Visibility::kEdge : Visibility::kVisible;
 }
