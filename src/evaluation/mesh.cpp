@@ -46,15 +46,18 @@ Mesh gridMesh(const std::string& name, int rows, int columns, bool rows_periodic
   return mesh;
 }
 
+/// Normal of a face; its length is twice the area.
+Eigen::Vector3d faceNormal(const Points& vertices, const Eigen::Vector3i& face) {
+  const Eigen::Vector3d a = vertices.col(face[0]).cast<double>();
+  return (vertices.col(face[1]).cast<double>() - a).cross(vertices.col(face[2]).cast<double>() - a);
+}
+
 /// Area of the faces up to and with each.
 std::vector<double> cumulativeArea(const Mesh& mesh) {
   std::vector<double> cumulative(static_cast<std::size_t>(mesh.faces.cols()));
   double area = 0;
   for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
-    const Eigen::Vector3d a = mesh.vertices.col(mesh.faces(0, f)).cast<double>();
-    const Eigen::Vector3d b = mesh.vertices.col(mesh.faces(1, f)).cast<double>();
-    const Eigen::Vector3d c = mesh.vertices.col(mesh.faces(2, f)).cast<double>();
-    area += (b - a).cross(c - a).norm() / 2;
+    area += faceNormal(mesh.vertices, mesh.faces.col(f)).norm() / 2;
     cumulative[static_cast<std::size_t>(f)] = area;
   }
   return cumulative;
@@ -74,20 +77,14 @@ SurfaceSamples inZOrder(const SurfaceSamples& samples) {
 Points vertexNormals(const Points& vertices, const Eigen::Matrix3Xi& faces) {
   Eigen::Matrix3Xd sum = Eigen::Matrix3Xd::Zero(3, vertices.cols());
   for (Eigen::Index f = 0; f < faces.cols(); ++f) {
-    const Eigen::Vector3d a = vertices.col(faces(0, f)).cast<double>();
-    const Eigen::Vector3d b = vertices.col(faces(1, f)).cast<double>();
-    const Eigen::Vector3d c = vertices.col(faces(2, f)).cast<double>();
-    const Eigen::Vector3d normal = (b - a).cross(c - a);
+    const Eigen::Vector3d normal = faceNormal(vertices, faces.col(f));
     for (int corner = 0; corner < 3; ++corner) sum.col(faces(corner, f)) += normal;
   }
   Points normals(3, vertices.cols());
   for (Eigen::Index v = 0; v < vertices.cols(); ++v) {
     const double norm = sum.col(v).norm();
-    if (norm > 0) {
-      normals.col(v) = (sum.col(v) / norm).cast<float>();
-    } else {
-      normals.col(v) = Eigen::Vector3f::UnitZ();
-    }
+    normals.col(v) =
+        norm > 0 ? Eigen::Vector3f((sum.col(v) / norm).cast<float>()) : Eigen::Vector3f(Eigen::Vector3f::UnitZ());
   }
   return normals;
 }
