@@ -50,6 +50,7 @@ TEST_F(Fingerprint, EachParameterReachesTheFilesThatItChanges) {
   const Recording recording = record("r", 4, 2);
   const Keys before = keysOf(recording);
   params_.colorize.num_threads = 7;
+  params_.colorize.memory_limit = 300;
   params_.colorize.uncolored = Uncolored::kFill;
   EXPECT_EQ(keysOf(recording).alignment, before.alignment);
   EXPECT_EQ(keysOf(recording).colors, before.colors);
@@ -59,7 +60,7 @@ TEST_F(Fingerprint, EachParameterReachesTheFilesThatItChanges) {
   EXPECT_EQ(keysOf(recording).depth, before.depth);
   EXPECT_EQ(keysOf(recording).alignment, before.alignment);
 
-  params_.colorize.memory_limit = 300;  // bounds the points that a view is aligned by
+  params_.alignment.pose_rotation_prior = 1;
   EXPECT_NE(keysOf(recording).alignment, before.alignment);
   EXPECT_EQ(keysOf(recording).depth, before.depth);
 
