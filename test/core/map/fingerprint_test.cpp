@@ -52,6 +52,7 @@ TEST_F(Fingerprint, EachParameterReachesTheFilesThatItChanges) {
   params_.colorize.num_threads = 7;
   params_.colorize.memory_limit = 300;
   params_.colorize.uncolored = Uncolored::kFill;
+  params_.record.scan_resolution = 1;  // of scans that are recorded from now on
   EXPECT_EQ(keysOf(recording).alignment, before.alignment);
   EXPECT_EQ(keysOf(recording).colors, before.colors);
 
@@ -62,7 +63,14 @@ TEST_F(Fingerprint, EachParameterReachesTheFilesThatItChanges) {
 
   params_.alignment.pose_rotation_prior = 1;
   EXPECT_NE(keysOf(recording).alignment, before.alignment);
+  params_.alignment.pose_rotation_prior = AlignmentParams{}.pose_rotation_prior;
+  params_.alignment.align_poses = AlignPoses::kCameras;
+  EXPECT_NE(keysOf(recording).alignment, before.alignment);
   EXPECT_EQ(keysOf(recording).depth, before.depth);
+
+  params_.record.scan_resolution = 0;  // none is used
+  EXPECT_NE(keysOf(recording).depth, before.depth);
+  EXPECT_EQ(keysOf(recording).surfels, before.surfels);
 
   params_.depth.clear_radius = 0.1;
   EXPECT_NE(keysOf(recording).surfels, before.surfels);
