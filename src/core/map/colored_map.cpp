@@ -20,23 +20,20 @@ namespace {
 
 using Eigen::Index;
 
-/// rgb, view_count, color_stddev: what is appended to a point's record.
-struct ColorRecord {
-  std::uint32_t rgb = 0;  ///< 0x00RRGGBB, read as FLOAT32 by rviz and PCL
-  std::uint16_t view_count = 0;
-  float stddev = 0;
-};
-constexpr std::size_t kColorRecordBytes = 4 + 2 + 4;
+/// What is appended to a point's record.
+const std::vector<Field> kColorFields = {
+    {"rgb", FieldType::kFloat32, 1}, {"view_count", FieldType::kUint16, 1}, {"color_stddev", FieldType::kFloat32, 1}};
 
-std::uint32_t packColor(const Eigen::Vector3f& color) {
-  const auto byte = [](float v) { return static_cast<std::uint32_t>(std::lround(std::clamp(v, 0.F, 255.F))); };
-  return byte(color[0]) << 16U | byte(color[1]) << 8U | byte(color[2]);
-}
-
-void append(const ColorRecord& color, std::uint8_t* out) {
-  std::memcpy(out, &color.rgb, 4);
-  std::memcpy(out + 4, &color.view_count, 2);
-  std::memcpy(out + 6, &color.stddev, 4);
+/// Of point i. rgb is 0x00RRGGBB, which rviz and PCL read as FLOAT32.
+void writeColor(const TileColors& colors, std::size_t i, std::uint8_t* out) {
+  std::uint32_t rgb = 0;
+  for (Index channel = 0; channel < 3; ++channel) {
+    const float value = std::clamp(colors.values(channel, static_cast<Index>(i)), 0.F, 255.F);
+    rgb = rgb << 8U | static_cast<std::uint32_t>(std::lround(value));
+  }
+  std::memcpy(out, &rgb, 4);
+  std::memcpy(out + 4, &colors.count[i], 2);
+  std::memcpy(out + 6, &colors.stddev[i], 4);
 }
 
 /// The fields of a recording that go into its coloured map. Not the colours that an earlier run of this program gave a
@@ -58,7 +55,7 @@ Cloud makeCloud(const Recording& recording, std::size_t tile, const TileColors& 
   const std::vector<Field> kept = keptFields(recording.fields());
   const RecordMap record_map(recording.fields(), kept);
   const std::size_t in_bytes = recordSize(recording.fields()), kept_bytes = recordSize(kept);
-  const std::size_t out_bytes = kept_bytes + kColorRecordBytes;
+  const std::size_t out_bytes = kept_bytes + recordSize(kColorFields);
   const Eigen::Vector3d origin = relative ? Eigen::Vector3d::Zero() : recording.origin();
 
   Cloud cloud;
@@ -70,10 +67,9 @@ Cloud makeCloud(const Recording& recording, std::size_t tile, const TileColors& 
   Index next = 0;
   for (std::size_t i = 0; i < keep.size(); ++i) {
     if (!keep[i]) continue;
-    const auto column = static_cast<Index>(i);
-    cloud.positions.col(next++) = points.col(column).cast<double>() + origin;
+    cloud.positions.col(next++) = points.col(static_cast<Index>(i)).cast<double>() + origin;
     if (kept_bytes > 0) record_map.copy(records.data() + i * in_bytes, out);
-    append({packColor(colors.values.col(column)), colors.count[i], colors.stddev[i]}, out + kept_bytes);
+    writeColor(colors, i, out + kept_bytes);
     out += out_bytes;
   }
   return cloud;
@@ -125,9 +121,7 @@ std::vector<Field> coloredFields(const Recording& recording) {
     while (given.count(field.name) != 0);
     given.insert(field.name);
   }
-  fields.push_back({"rgb", FieldType::kFloat32, 1});
-  fields.push_back({"view_count", FieldType::kUint16, 1});
-  fields.push_back({"color_stddev", FieldType::kFloat32, 1});
+  fields.insert(fields.end(), kColorFields.begin(), kColorFields.end());
   return fields;
 }
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <type_traits>
 
 #include "base/file_io.hpp"
 #include "base/text.hpp"
@@ -72,37 +73,35 @@ RecordingInfo parseInfo(const YAML::Node& node, const std::string& path) {
   return info;
 }
 
+/// Calls f(name, number) for each number of a camera, as the file has them.
+template <class IntrinsicsT, class F>
+void visitNumbers(IntrinsicsT& k, F&& f) {
+  f("width", k.width), f("height", k.height), f("fx", k.fx), f("fy", k.fy), f("cx", k.cx), f("cy", k.cy);
+}
+
 RecordedCamera parseCamera(const YAML::Node& node) {
   RecordedCamera camera;
+  Intrinsics& k = camera.intrinsics;
   camera.name = node["name"].as<std::string>();
-  camera.intrinsics.width = node["width"].as<int>();
-  camera.intrinsics.height = node["height"].as<int>();
-  camera.intrinsics.fx = node["fx"].as<double>();
-  camera.intrinsics.fy = node["fy"].as<double>();
-  camera.intrinsics.cx = node["cx"].as<double>();
-  camera.intrinsics.cy = node["cy"].as<double>();
-  camera.intrinsics.model = distortionModelFromString(node["distortion_model"].as<std::string>());
-  camera.intrinsics.distortion = node["distortion"].as<std::vector<double>>();
+  visitNumbers(k, [&](const char* name, auto& number) { number = node[name].as<std::decay_t<decltype(number)>>(); });
+  k.model = distortionModelFromString(node["distortion_model"].as<std::string>());
+  k.distortion = node["distortion"].as<std::vector<double>>();
   camera.mask = node["mask"].as<std::string>();
   constexpr int kMaxSide = 1 << 20;  // px; OpenCV reads no wider image
-  const Camera checked(camera.intrinsics);
-  require<std::invalid_argument>(std::max(camera.intrinsics.width, camera.intrinsics.height) <= kMaxSide,
-                                 "an image of ", camera.intrinsics.width, " x ", camera.intrinsics.height,
+  const Camera checked(k);
+  require<std::invalid_argument>(std::max(k.width, k.height) <= kMaxSide, "an image of ", k.width, " x ", k.height,
                                  " px is larger than any can be: ", kMaxSide, " px a side");
   return camera;
 }
 
 void emitCamera(YAML::Emitter& out, const RecordedCamera& camera) {
-  const auto& k = camera.intrinsics;
   out << YAML::BeginMap << YAML::Key << "name" << YAML::Value << camera.name;
-  out << YAML::Key << "width" << YAML::Value << k.width << YAML::Key << "height" << YAML::Value << k.height;
-  out << YAML::Key << "fx" << YAML::Value << formatDouble(k.fx) << YAML::Key << "fy" << YAML::Value
-      << formatDouble(k.fy);
-  out << YAML::Key << "cx" << YAML::Value << formatDouble(k.cx) << YAML::Key << "cy" << YAML::Value
-      << formatDouble(k.cy);
-  out << YAML::Key << "distortion_model" << YAML::Value << toString(k.model);
+  visitNumbers(camera.intrinsics, [&](const char* name, const auto& number) {
+    out << YAML::Key << name << YAML::Value << formatDouble(number);
+  });
+  out << YAML::Key << "distortion_model" << YAML::Value << toString(camera.intrinsics.model);
   out << YAML::Key << "distortion" << YAML::Value << YAML::Flow << YAML::BeginSeq;
-  for (const auto coefficient : k.distortion) out << formatDouble(coefficient);
+  for (const auto coefficient : camera.intrinsics.distortion) out << formatDouble(coefficient);
   out << YAML::EndSeq << YAML::Key << "mask" << YAML::Value << YAML::DoubleQuoted << camera.mask << YAML::EndMap;
 }
 

@@ -51,13 +51,15 @@ std::uint64_t readHeaderCount(const File& file, const std::vector<Field>& fields
                            "without its points");
 }
 
+std::uint64_t countRecords(const File& file, const std::vector<Field>& fields) {
+  const auto header_size = pcdHeader(fields, false, 0).size(), size = file.size();
+  return size < header_size ? 0 : (size - header_size) / (kPositionSize + recordSize(fields));
+}
+
 /// Points that can be read: none while the header is not complete, and no more than there are bytes.
 std::uint64_t countPoints(const File& file, const std::vector<Field>& fields) {
-  const auto header_size = pcdHeader(fields, false, 0).size();
-  const auto file_size = file.size();
-  if (file_size < header_size) return 0;
-  const auto record_size = kPositionSize + recordSize(fields);
-  return std::min<std::uint64_t>(readHeaderCount(file, fields), (file.size() - header_size) / record_size);
+  const std::uint64_t num_records = countRecords(file, fields);
+  return num_records == 0 ? 0 : std::min(readHeaderCount(file, fields), num_records);
 }
 
 }  // namespace
@@ -77,7 +79,7 @@ std::vector<Tile> listTiles(const std::string& directory, const std::vector<Fiel
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     Tile tile;
     if (entry.path().extension() != ".pcd" || !tileIndexFromName(entry.path().stem().string(), tile.index)) continue;
-    tile.num_points = countTilePoints(directory, tile.index, fields);
+    tile.num_points = countPoints(File(entry.path().string(), O_RDONLY), fields);
     if (tile.num_points > 0) tiles.push_back(tile);
   }
   std::sort(tiles.begin(), tiles.end(), [](const Tile& a, const Tile& b) { return a.index < b.index; });
@@ -104,18 +106,18 @@ std::vector<std::uint8_t> readTileColumns(const std::string& directory, const Ti
   return columns;
 }
 
-std::uint64_t countTilePoints(const std::string& directory, const TileIndex& index, const std::vector<Field>& fields) {
+std::uint64_t countTileRecords(const std::string& directory, const TileIndex& index, const std::vector<Field>& fields) {
   const std::string path = tilePath(directory, index);
-  return std::filesystem::exists(path) ? countPoints(File(path, O_RDONLY), fields) : 0;
+  return std::filesystem::exists(path) ? countRecords(File(path, O_RDONLY), fields) : 0;
 }
 
 std::uint64_t appendToTile(const std::string& directory, const TileIndex& index, const std::vector<Field>& fields,
                            std::uint64_t num_points, const std::vector<std::uint8_t>& records) {
   const auto record_size = kPositionSize + recordSize(fields);
   const auto added = records.size() / record_size;
-  // Writing behind the end of a file that was cut would fill the gap with zeros: points that nobody measured.
-  num_points = std::min(num_points, countTilePoints(directory, index, fields));
   File file(tilePath(directory, index), O_RDWR | O_CREAT);
+  // Writing behind the end of a file that was cut would fill the gap with zeros: points that nobody measured.
+  num_points = std::min(num_points, countRecords(file, fields));
   const auto header = pcdHeader(fields, false, num_points);
   const auto end = header.size() + num_points * record_size;
   if (file.size() > end) file.truncate(end);

@@ -27,8 +27,8 @@ std::vector<Tile> listTiles(const std::string& directory, const std::vector<Fiel
 std::vector<std::uint8_t> readTileColumns(const std::string& directory, const Tile& tile,
                                           const std::vector<Field>& fields, std::size_t begin, std::size_t size);
 
-/// Points of one tile that can be read: none where there is no file.
-std::uint64_t countTilePoints(const std::string& directory, const TileIndex& index, const std::vector<Field>& fields);
+/// Whole records in the file of a tile, whatever its header says: none where there is no file.
+std::uint64_t countTileRecords(const std::string& directory, const TileIndex& index, const std::vector<Field>& fields);
 
 /// Appends whole records behind the first `num_points`, or behind what is left of them where something has cut the
 /// file; whatever a crash left there is overwritten. Returns how many points the file then has. When the disk is full

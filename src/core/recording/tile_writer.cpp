@@ -98,7 +98,7 @@ VoxelSet TileWriter::savedVoxels(const TileIndex& index) const {
   VoxelSet voxels;
   const auto saved = num_saved_.find(index);
   if (saved == num_saved_.end()) return voxels;
-  const std::uint64_t num_points = std::min(saved->second, countTilePoints(directory_, index, fields_));
+  const std::uint64_t num_points = std::min(saved->second, countTileRecords(directory_, index, fields_));
   const auto bytes = readTileColumns(directory_, {index, num_points}, fields_, 0, kPositionSize);
   for (std::size_t offset = 0; offset < bytes.size(); offset += kPositionSize) {
     std::array<float, 3> position{};
