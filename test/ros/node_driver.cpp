@@ -179,16 +179,13 @@ class NodeTest : public testing::Test {
 
   /// Walls must have the colours of the pictures: red at y = 4, blue at y = -4.
   static void expectColouredWalls(const Cloud& cloud) {
-    std::size_t offset = 0;
-    for (const Field& field : cloud.fields) {
-      if (field.name == "rgb" || field.name == "red") break;
-      offset += sizeOf(field.type) * field.count;
-    }
+    const auto colors = findField(cloud.fields, "rgb");
+    ASSERT_TRUE(colors);
     const std::size_t record = recordSize(cloud.fields);
     std::size_t red = 0, blue = 0, wrong = 0;
     for (Eigen::Index i = 0; i < cloud.positions.cols(); ++i) {
       std::uint32_t rgb;
-      std::memcpy(&rgb, &cloud.records[static_cast<std::size_t>(i) * record + offset], 4);
+      std::memcpy(&rgb, &cloud.records[static_cast<std::size_t>(i) * record + colors->offset], 4);
       const int r = rgb >> 16U & 255U, b = rgb & 255U;
       if (std::abs(r - b) < 50) continue;  // not seen
       const bool is_red = cloud.positions(1, i) > 0;
