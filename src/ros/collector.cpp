@@ -64,6 +64,7 @@ struct CameraState {
   Intrinsics intrinsics;
   Refused info_error{Outcome::kBadCameraInfo, ""};  ///< why there is no id
   std::optional<Isometry> last_kept;
+  std::optional<double> resumed_at;  ///< s, newest stamp that an earlier program recorded; until the first image
   std::deque<ImageMessage> queue;
 };
 
@@ -112,10 +113,12 @@ struct Collector::Impl {
     const Recording recording = recorder->snapshot();
     for (const View& view : recording.views()) {
       for (CameraState& camera : cameras) {
-        if (camera.name != recording.cameras()[view.camera].name) continue;
+        const std::string& name = recording.cameras()[view.camera].name;  // with new intrinsics, camera_0_2
+        if (name != camera.name && name.rfind(camera.name + '_', 0) != 0) continue;
         Isometry pose = view.map_from_camera;
         pose.translation() += recording.origin();
         camera.last_kept = pose;
+        camera.resumed_at = std::max(view.stamp, camera.resumed_at.value_or(view.stamp));
       }
     }
   }
@@ -130,7 +133,7 @@ struct Collector::Impl {
 
   void count(const std::string& stream, StreamStats& of, const Refused& refused) {
     ++of.outcomes[static_cast<std::size_t>(refused.outcome)];
-    if (refused.outcome == Outcome::kKept || refused.outcome == Outcome::kNotKeyframe) return;
+    if (refused.outcome <= Outcome::kRecordedBefore) return;
     of.last_error = refused.reason;
     if (refused.outcome == Outcome::kNoTransform) stats.last_tf_error = refused.reason;
     warn(stream, toString(refused.outcome), refused.reason);
@@ -203,7 +206,7 @@ struct Collector::Impl {
 
   // ---- clouds ----
 
-  void recordCloud(const sensor_msgs::PointCloud2& message) {
+  Outcome recordCloud(const sensor_msgs::PointCloud2& message) {
     checkHeader(message.header);
     const ros::Time stamp = message.header.stamp;
     const std::string frame = withoutSlash(message.header.frame_id);
@@ -222,8 +225,15 @@ struct Collector::Impl {
            "the clouds are in the map frame already, so ranges are measured from its origin; set "
            "~sensor_frame to the scanner's frame");
     }
-    const Recorder::InsertCounts counts = recorder->addCloud(cloud, map_from_sensor);
-    recorder->addScan(frame, stamp.toSec(), cloud.positions, map_from_sensor);
+    const CloudSource source = {frame, stamp.toSec()};
+    const bool recorded_before = recorder->recognizeCloud(source);
+    if (!recorded_before) countPoints(recorder->addCloud(cloud, map_from_sensor, source));
+    recorder->addScan(frame, source.stamp, cloud.positions, map_from_sensor);
+    if (events.cloud_kept) events.cloud_kept(cloud, map_from_sensor);
+    return recorded_before ? Outcome::kRecordedBefore : Outcome::kKept;
+  }
+
+  void countPoints(const Recorder::InsertCounts& counts) {
     stats.points.added += counts.added;
     stats.points.not_finite += counts.not_finite;
     stats.points.too_near += counts.too_near;
@@ -235,7 +245,6 @@ struct Collector::Impl {
                " is not recorded: the first cloud of the "
                "recording had no such field");
     }
-    if (events.cloud_kept) events.cloud_kept(cloud, map_from_sensor);
   }
 
   // ---- images ----
@@ -277,6 +286,15 @@ struct Collector::Impl {
     return moved.translation().norm() >= params.record.keyframe_distance || angle >= params.record.keyframe_angle;
   }
 
+  /// A bag that is read again chooses the keyframes that it chose the first time: by what lies before them in the bag.
+  bool isRecorded(CameraState& camera, const PendingView& view) {
+    if (camera.resumed_at && view.stamp <= *camera.resumed_at) camera.last_kept.reset();
+    camera.resumed_at.reset();
+    if (!recorder->recognizeView(view.id, view.stamp)) return false;
+    camera.last_kept = view.map_from_camera;
+    return true;
+  }
+
   /// Size of the image; throws Refused when it cannot be decoded.
   static cv::Size inspect(const ImageMessage& image, std::string& extension) {
     try {
@@ -307,6 +325,7 @@ struct Collector::Impl {
     const ros::Time stamp = image.header.stamp + ros::Duration(camera.params.time_offset);
     view.stamp = stamp.toSec();
     view.map_from_camera = lookUp(map_frame, withoutSlash(image.header.frame_id), stamp);
+    if (isRecorded(camera, view)) return Outcome::kRecordedBefore;
     if (!isKeyframe(camera, view.map_from_camera)) return Outcome::kNotKeyframe;
 
     const cv::Size size = inspect(image, view.extension);
@@ -354,10 +373,8 @@ struct Collector::Impl {
   static double stampOf(const ImageMessage& image) { return image.header.stamp.toSec(); }
 
   void process() {
-    workOff("clouds", stats.cloud, clouds, [this](const sensor_msgs::PointCloud2ConstPtr& cloud) {
-      recordCloud(*cloud);
-      return Outcome::kKept;
-    });
+    workOff("clouds", stats.cloud, clouds,
+            [this](const sensor_msgs::PointCloud2ConstPtr& cloud) { return recordCloud(*cloud); });
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       CameraState& camera = cameras[i];
       workOff(camera.name, stats.cameras[i], camera.queue,
@@ -449,6 +466,7 @@ void Collector::useRecorder(Recorder& recorder) {
   auto cameras = impl_->cameras;  // a copy, as the new recording's disk may be full
   for (CameraState& camera : cameras) {
     camera.last_kept.reset();
+    camera.resumed_at.reset();
     if (camera.info) impl_->readCameraInfo(camera, recorder);
   }
   impl_->writer.clear();

@@ -11,6 +11,7 @@ namespace cloud_colorizer {
 const char* toString(Outcome outcome) {
   static const char* const kNames[] = {"kept",
                                        "not a keyframe",
+                                       "already recorded",
                                        "no transform",
                                        "no camera_info",
                                        "bad camera_info",

@@ -44,6 +44,23 @@ for threads in 1 2; do
   cmp "$tmp/map.ply" "$tmp/threads.ply" || problem "another map with num_threads=$threads"
 done
 
+# A bag that is read again, after a kill while it was read, gives what one undisturbed reading gives.
+for lines in 2 4; do
+  found=0
+  colorize_bag "$tmp/drive/drive.bag" --config "$tmp/drive/rig.yaml" --recording "$tmp/killed_$lines" \
+    --output "$tmp/killed.ply" tile_size=5 >"$tmp/log" 2>&1 &
+  pid=$!; background+=("$pid")
+  while kill -0 "$pid" 2>/dev/null; do
+    [ "$(cat "$tmp/killed_$lines/views.csv" 2>/dev/null | wc -l)" -lt "$lines" ] || break
+  done
+  kill -KILL "$pid" 2>/dev/null || true
+  { wait "$pid" || found=$?; } 2>/dev/null
+  [ "$found" = 137 ] || problem "colorize_bag was through before it could be killed"
+  expect 0 'already recorded' colorize_bag "$tmp/drive/drive.bag" --config "$tmp/drive/rig.yaml" \
+    --recording "$tmp/killed_$lines" --output "$tmp/killed.ply" tile_size=5
+  cmp "$tmp/map.ply" "$tmp/killed.ply" || problem "another map when the bag is read again after $lines lines of views.csv"
+done
+
 # interrupt SIGNAL CODE FOLDER: ends a run as soon as FOLDER has a first file of results. (After the surfels comes the
 # alignment, the longest stage: time enough for the signal.)
 interrupt() {

@@ -20,6 +20,7 @@
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <thread>
 
 #include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "cloud_colorizer/recording/recorder.hpp"
@@ -310,9 +311,10 @@ TEST_F(NodeTest, FilesOfOthersAreReplacedOnlyWhenAskedAndOnlyInTheSaveDirectory)
 TEST_F(NodeTest, ResetWhileImagesAreEncodedLosesNothing) {
   drive_.width = 960;
   drive_.height = 720;
+  drive_.noisy = true;
   startNode(false, {"_raw_image_format:=png"});
   publishDrive();
-  ASSERT_TRUE(waitForViews(3)) << process_->log();
+  ASSERT_TRUE(waitForViews(1)) << process_->log();
   const auto reset = call("reset");
   ASSERT_TRUE(reset.success) << reset.message;
   for (std::size_t i = drive_.num_frames; i < drive_.num_frames + 8; ++i) publishFrame(i);
@@ -469,6 +471,23 @@ TEST_F(NodeTest, StatusGoesOnWhileColouringAfterSilence) {
   publishDrive();
   EXPECT_TRUE(waitFor([&] { return last_status_.colored_points > 1000; }, 60)) << process_->log();
   EXPECT_GT(stages_.size(), 2U) << "besides idle and recording, the stages of colouring";
+}
+
+TEST_F(NodeTest, StopWhileColouringEndsSoonAndCleanly) {
+  drive_.num_frames = 60;
+  startNode(true, {"_voxel_size:=0.02", "_num_threads:=1"});
+  publishDrive();
+  ASSERT_TRUE(waitForViews(2 * drive_.num_frames)) << process_->log();
+  std::thread client([] {
+    std_srvs::Trigger trigger;
+    ros::service::call("colorizer/colorize", trigger);
+  });
+  EXPECT_TRUE(waitFor([&] { return process_->log().find("points/s") != std::string::npos; })) << process_->log();
+  const ros::WallTime before = ros::WallTime::now();
+  EXPECT_EQ(process_->stop(SIGINT), 0) << process_->log();
+  EXPECT_LT((ros::WallTime::now() - before).toSec(), 10);
+  client.join();
+  EXPECT_NE(process_->log().find("cancelled"), std::string::npos) << process_->log();
 }
 
 TEST_F(NodeTest, UnknownParameterStopsTheStart) {

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <opencv2/core.hpp>
 #include <thread>
 
 #include "core/scratch.hpp"
@@ -26,6 +25,7 @@ class RecordingSessionTest : public testing::Test {
   RecordingSessionTest() {
     drive_.width = 640;
     drive_.height = 480;
+    drive_.noisy = true;
     params_.cameras.resize(2);
     params_.raw_image_format = "png";
     session_ = std::make_unique<RecordingSession>(directory_, params_, CollectorEvents{}, errors_);
@@ -45,10 +45,7 @@ class RecordingSessionTest : public testing::Test {
       const auto index = static_cast<std::size_t>(camera);
       push(
           [message = shared(drive_.cameraInfo(i, camera)), index](Collector& to) { to.addCameraInfo(index, message); });
-      auto image = drive_.rawImage(i, camera);
-      cv::Mat pixels(1, static_cast<int>(image.data.size()), CV_8UC1, image.data.data());
-      cv::randu(pixels, 0, 255);
-      push([message = shared(image), index](Collector& to) { to.addImage(index, message); });
+      push([message = shared(drive_.rawImage(i, camera)), index](Collector& to) { to.addImage(index, message); });
     }
   }
 

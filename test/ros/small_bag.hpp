@@ -26,6 +26,7 @@ struct SmallDrive {
   double tf_delay = 0;        ///< s between a transform's stamp and its arrival
   int loops = 1;              ///< how often it is driven with the same stamps
   int width = 64, height = 48;
+  bool noisy = false;  ///< raw images of noise, which take long as PNG
 
   void write(const std::string& file) const {
     rosbag::Bag bag(file, rosbag::bagmode::Write);
@@ -73,6 +74,10 @@ struct SmallDrive {
     message.height = static_cast<std::uint32_t>(height);
     message.step = message.width * 3;
     message.data.assign(image.data, image.data + message.step * message.height);
+    if (noisy) {
+      cv::Mat pixels(1, static_cast<int>(message.data.size()), CV_8UC1, message.data.data());
+      cv::randu(pixels, 0, 255);
+    }
     stamp(message, frame, "camera_" + std::to_string(camera));
     return message;
   }

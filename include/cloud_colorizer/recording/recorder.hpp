@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,12 @@ struct RecordParams {
   void check() const;
 };
 
+/// What tells a cloud apart from all others of a recording.
+struct CloudSource {
+  std::string sensor;  ///< any name that tells sensors apart, such as the frame
+  double stamp = 0;    ///< s
+};
+
 /// Appends to a recording. Used from one thread at a time.
 /// After flush() (and by itself about once a second) everything survives a SIGKILL of the process.
 class Recorder {
@@ -50,7 +57,14 @@ class Recorder {
   };
   /// Positions in the sensor's frame; fields that the recording does not know are dropped (the first cloud defines
   /// them), missing ones are zero.
-  InsertCounts addCloud(const Cloud& cloud, const Eigen::Isometry3d& map_from_sensor);
+  InsertCounts addCloud(const Cloud& cloud, const Eigen::Isometry3d& map_from_sensor,
+                        const std::optional<CloudSource>& source = {});
+
+  /// For a bag that is read again after its reader was killed: true where an earlier program recorded this cloud, or
+  /// this view. Each is recognized once, so that a second round of a looped bag is new. Scans are recognized by
+  /// addScan.
+  bool recognizeCloud(const CloudSource& source);
+  bool recognizeView(std::uint32_t camera, double stamp);
 
   /// The encoded image is written as it is, then the view. `extension` is "jpg", "png", "ppm", "pgm", ...
   /// map_from_camera is in the map frame, not yet relative to the origin. Returns the view's index.

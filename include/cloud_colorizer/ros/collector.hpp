@@ -52,6 +52,7 @@ struct CollectorParams {
 enum class Outcome {
   kKept,
   kNotKeyframe,
+  kRecordedBefore,
   kNoTransform,
   kNoCameraInfo,
   kBadCameraInfo,

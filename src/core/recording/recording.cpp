@@ -11,6 +11,7 @@
 #include "base/file_io.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "recording/recording_files.hpp"
+#include "recording/recording_tables.hpp"
 #include "recording/tile_file.hpp"
 
 namespace cloud_colorizer {

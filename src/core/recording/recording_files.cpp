@@ -2,11 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recording/recording_files.hpp"
 
-#include <fcntl.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <cmath>
+#include <cctype>
 #include <filesystem>
 #include <functional>
 #include <type_traits>
@@ -105,84 +104,6 @@ void emitCamera(YAML::Emitter& out, const RecordedCamera& camera) {
   out << YAML::EndSeq << YAML::Key << "mask" << YAML::Value << YAML::DoubleQuoted << camera.mask << YAML::EndMap;
 }
 
-constexpr const char* kViewsHeader = "camera,stamp,x,y,z,qx,qy,qz,qw,image\n";
-constexpr const char* kScansHeader = "stamp,x,y,z,qx,qy,qz,qw,ranges\n";
-
-std::string viewsPath(const std::string& directory) {
-  return directory + "/views.csv";
-}
-std::string scansPath(const std::string& directory) {
-  return directory + "/scans.csv";
-}
-
-/// `count` numbers and then the name of a file.
-std::vector<double> parseNumbers(const std::vector<std::string>& parts, std::size_t count, const std::string& where) {
-  require(parts.size() == count + 1, where, " is damaged: it has ", parts.size(), " values instead of ", count + 1);
-  std::vector<double> values(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    require(parseDouble(parts[i], values[i]) && std::isfinite(values[i]), where, " is damaged: \"", parts[i],
-            "\" is no number");
-  }
-  return values;
-}
-
-/// x, y, z, qx, qy, qz, qw.
-Eigen::Isometry3d parsePose(const double* values, const std::string& where) {
-  const Eigen::Quaterniond rotation(values[6], values[3], values[4], values[5]);
-  require(std::abs(rotation.norm() - 1) < 1e-3, where, " is damaged: its quaternion has the norm ", rotation.norm());
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.translation() = Eigen::Vector3d(values[0], values[1], values[2]);
-  pose.linear() = rotation.normalized().toRotationMatrix();
-  return pose;
-}
-
-std::string poseText(const Eigen::Isometry3d& pose) {
-  const Eigen::Quaterniond rotation(pose.linear());
-  std::string text;
-  for (int axis = 0; axis < 3; ++axis) text += ',' + formatDouble(pose.translation()[axis]);
-  for (int i = 0; i < 4; ++i) text += ',' + formatDouble(rotation.coeffs()[i]);
-  return text;
-}
-
-View parseView(const std::string& line, const std::string& where) {
-  const auto parts = splitAt(line, ',');
-  const std::vector<double> values = parseNumbers(parts, 9, where);
-  require(values[0] >= 0 && values[0] < 1e6, where, " is damaged: there is no camera ", parts[0]);
-  View view;
-  view.camera = static_cast<std::uint32_t>(values[0]);
-  view.stamp = values[1];
-  view.map_from_camera = parsePose(values.data() + 2, where);
-  view.image = parts.back();
-  return view;
-}
-
-Scan parseScan(const std::string& line, const std::string& where) {
-  const auto parts = splitAt(line, ',');
-  const std::vector<double> values = parseNumbers(parts, 8, where);
-  return {values[0], parsePose(values.data() + 1, where), parts.back()};
-}
-
-template <class Row>
-Table<Row> readTable(const std::string& path, const std::string& header,
-                     Row (*parse)(const std::string&, const std::string&)) {
-  Table<Row> table;
-  if (!std::filesystem::exists(path)) return table;
-  const auto bytes = readFile(path);
-  const std::string text(bytes.begin(), bytes.end());
-  std::size_t number = 0;
-  for (auto end = text.find('\n'); end != std::string::npos; end = text.find('\n', table.num_bytes)) {
-    const auto line = text.substr(table.num_bytes, end - table.num_bytes);
-    const auto where = path + " line " + std::to_string(++number);
-    if (number == 1) {
-      require(line + '\n' == header, where, " is damaged: it must be ", header);
-    } else {
-      table.rows.push_back(parse(line, where));
-    }
-    table.num_bytes = end + 1;
-  }
-  return table;
-}
-
 }  // namespace
 
 bool hasRecording(const std::string& directory) {
@@ -237,40 +158,13 @@ void writeCameras(const std::string& directory, const std::vector<RecordedCamera
   writeYaml(camerasPath(directory), out);
 }
 
-Table<View> readViews(const std::string& directory) {
-  return readTable(viewsPath(directory), kViewsHeader, parseView);
+bool isFileName(const std::string& name) {
+  const auto allowed = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.'; };
+  return !name.empty() && name.front() != '.' && std::all_of(name.begin(), name.end(), allowed);
 }
 
-Table<Scan> readScans(const std::string& directory) {
-  return readTable(scansPath(directory), kScansHeader, parseScan);
-}
-
-std::string viewLine(const View& view) {
-  return std::to_string(view.camera) + ',' + formatFixed(view.stamp, 9) + poseText(view.map_from_camera) + ',' +
-         view.image + '\n';
-}
-
-std::string scanLine(const Scan& scan) {
-  return formatFixed(scan.stamp, 9) + poseText(scan.map_from_sensor) + ',' + scan.image + '\n';
-}
-
-TableWriter TableWriter::ofViews(const std::string& directory) {
-  return {viewsPath(directory), kViewsHeader, readViews(directory).num_bytes};
-}
-
-TableWriter TableWriter::ofScans(const std::string& directory) {
-  return {scansPath(directory), kScansHeader, readScans(directory).num_bytes};
-}
-
-TableWriter::TableWriter(const std::string& path, const char* header, std::uint64_t num_bytes)
-    : file_(path, O_WRONLY | O_CREAT), size_(num_bytes) {
-  file_.truncate(size_);
-  if (size_ == 0) append(header);
-}
-
-void TableWriter::append(const std::string& line) {
-  file_.writeAt(size_, line.data(), line.size());
-  size_ += line.size();
+void makeFolder(const std::string& directory, const std::string& name) {
+  std::filesystem::create_directory(directory + '/' + name);
 }
 
 }  // namespace cloud_colorizer

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The small files of a recording: recording.yaml, cameras.yaml, views.csv and scans.csv.
+/// The small files of a recording that are written whole: recording.yaml and cameras.yaml.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "base/file_io.hpp"
 #include "cloud_colorizer/recording/recording.hpp"
 
 namespace cloud_colorizer {
@@ -43,30 +42,8 @@ void writeInfo(const std::string& directory, const RecordingInfo& info);
 std::vector<RecordedCamera> readCameras(const std::string& directory);
 void writeCameras(const std::string& directory, const std::vector<RecordedCamera>& cameras);
 
-/// A table that grows by lines. A last line without its end is what a crash left and is not counted.
-template <class Row>
-struct Table {
-  std::vector<Row> rows;
-  std::uint64_t num_bytes = 0;  ///< of whole lines
-};
-Table<View> readViews(const std::string& directory);
-Table<Scan> readScans(const std::string& directory);
-
-std::string viewLine(const View& view);
-std::string scanLine(const Scan& scan);
-
-/// Appends lines to a table; starts it with its header, or cuts off a line that a crash left torn.
-class TableWriter {
- public:
-  static TableWriter ofViews(const std::string& directory);
-  static TableWriter ofScans(const std::string& directory);
-  void append(const std::string& line);
-
- private:
-  TableWriter(const std::string& path, const char* header, std::uint64_t num_bytes);
-
-  File file_;
-  std::uint64_t size_;
-};
+bool isFileName(const std::string& name);
+/// Throws where the recording itself is gone: it is not made again.
+void makeFolder(const std::string& directory, const std::string& name);
 
 }  // namespace cloud_colorizer

@@ -129,4 +129,17 @@ std::uint64_t appendToTile(const std::string& directory, const TileIndex& index,
   return num_points + added;
 }
 
+void cutTile(const std::string& directory, const TileIndex& index, const std::vector<Field>& fields,
+             std::uint64_t num_points) {
+  const std::string path = tilePath(directory, index);
+  if (num_points == 0) std::filesystem::remove(path);
+  if (!std::filesystem::exists(path)) return;
+  File file(path, O_RDWR);
+  const auto header = pcdHeader(fields, false, num_points);
+  const auto end = header.size() + num_points * (kPositionSize + recordSize(fields));
+  if (file.size() < end) return;
+  file.writeAt(0, header.data(), header.size());
+  file.truncate(end);
+}
+
 }  // namespace cloud_colorizer

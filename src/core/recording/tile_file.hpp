@@ -36,4 +36,8 @@ std::uint64_t countTileRecords(const std::string& directory, const TileIndex& in
 std::uint64_t appendToTile(const std::string& directory, const TileIndex& index, const std::vector<Field>& fields,
                            std::uint64_t num_points, const std::vector<std::uint8_t>& records);
 
+/// Leaves the first `num_points` in the file; without any, no file.
+void cutTile(const std::string& directory, const TileIndex& index, const std::vector<Field>& fields,
+             std::uint64_t num_points);
+
 }  // namespace cloud_colorizer

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "recording/tile_file.hpp"
 
@@ -43,13 +44,14 @@ std::size_t TileWriter::IndexHash::operator()(const TileIndex& index) const {
 }
 
 TileWriter::TileWriter(const std::string& directory, const RecordingInfo& info, std::size_t max_open_tiles,
-                       const std::vector<Tile>& saved_tiles)
+                       const std::vector<Tile>& saved_tiles, BeforeGrowth before_growth)
     : directory_(directory),
       fields_(info.fields.value()),
       record_size_(kPositionSize + recordSize(fields_)),
       has_voxels_(info.voxel_size > 0),
       grid_(info.voxel_size, info.tile_size),
-      max_open_tiles_(max_open_tiles) {
+      max_open_tiles_(max_open_tiles),
+      before_growth_(std::move(before_growth)) {
   for (const auto& tile : saved_tiles) {
     num_saved_[tile.index] = tile.num_points;
     num_points_ += tile.num_points;
@@ -121,6 +123,7 @@ void TileWriter::closeLeastRecentlyUsed() {
 void TileWriter::save(const TileIndex& index, OpenTile& tile) {
   if (tile.pending.empty()) return;
   auto& num_saved = num_saved_[index];
+  before_growth_(index, num_saved);
   const std::uint64_t num_in_file = appendToTile(directory_, index, fields_, num_saved, tile.pending);
   num_points_ -= num_saved + tile.pending.size() / record_size_ - num_in_file;  // what something has cut off
   num_saved = num_in_file;

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -26,8 +27,11 @@ struct PlacedPoint {
 
 class TileWriter {
  public:
+  /// Called with a tile and its number of points before its file grows.
+  using BeforeGrowth = std::function<void(const TileIndex&, std::uint64_t)>;
+
   TileWriter(const std::string& directory, const RecordingInfo& info, std::size_t max_open_tiles,
-             const std::vector<Tile>& saved_tiles);
+             const std::vector<Tile>& saved_tiles, BeforeGrowth before_growth);
 
   /// The first point of a voxel stays, whichever cloud it comes from. Returns how many were added.
   /// `records`: those of the whole cloud, `source_size` bytes each, turned into ours by `record_map`.
@@ -58,6 +62,7 @@ class TileWriter {
   bool has_voxels_ = false;
   TileGrid grid_;
   std::size_t max_open_tiles_ = 0;
+  BeforeGrowth before_growth_;
   std::map<TileIndex, std::uint64_t> num_saved_;  ///< points in the file of every tile
   std::unordered_map<TileIndex, std::unique_ptr<OpenTile>, IndexHash> open_tiles_;
   std::uint64_t num_uses_ = 0;
