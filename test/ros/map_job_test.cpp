@@ -19,7 +19,7 @@ class MapJobTest : public testing::Test {
  protected:
   MapJobTest() {
     params_.record.voxel_size = 0.08;
-    params_.num_threads = 1;
+    params_.colorize.num_threads = 1;
     record(4);
   }
 
