@@ -9,6 +9,7 @@
 ///   scans.csv        one line a scan: stamp, pose, file of ranges
 ///   scans/           which ranges the sensor measured at that moment, as 16 bit PNG
 ///   tiles/x_y_z.pcd  the points of one cube, positions relative to the origin
+///   clouds.csv       one line a cloud whose points are all in the tiles; tiles.undo: which points to take out else
 /// Whatever else lies in it (depth/, colored/, ...) is derived and may be deleted.
 #pragma once
 
