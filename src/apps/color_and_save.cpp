@@ -27,7 +27,8 @@ void checkOutputs(const CommandLine& line) {
 void colorAndSave(const Recording& recording, const CommandLine& line, const Callbacks& callbacks,
                   const std::vector<std::string>& image_names) {
   const std::string output = line.option("output");
-  CloudWriter(output, 0, coloredFields(recording), false);  // what the format cannot hold is told before the work
+  // What the format cannot hold is told before the work.
+  { const CloudWriter trial(output, 0, coloredFields(recording), false); }
   const ColorizeSummary summary = colorize(recording, line.params, callbacks);
   callbacks.log(LogLevel::kInfo, summary.describe());
   saveColored(recording, line.params, output, callbacks);

@@ -141,6 +141,7 @@ std::vector<Edge> shortLinks(PointsRef points) {
   params.passes = 1;
   std::vector<Edge> edges = zorderGraph(points, grid, params);
   std::vector<float> lengths;
+  lengths.reserve(edges.size());
   for (const Edge& edge : edges) lengths.push_back((points.col(edge.p) - points.col(edge.q)).norm());
   const auto limit = static_cast<float>(3 * median(lengths));
   edges.erase(std::remove_if(edges.begin(), edges.end(),

@@ -169,6 +169,7 @@ std::vector<Mesh> loadMeshes(const std::string& directory) {
   require(!paths.empty(), directory, ": no mesh (*.ply) in it");
   std::sort(paths.begin(), paths.end());
   std::vector<Mesh> meshes;
+  meshes.reserve(paths.size());
   for (const std::string& path : paths) meshes.push_back(readMesh(path));
   return meshes;
 }

@@ -79,7 +79,7 @@ bool sameCamera(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo&
 
 cv::Mat1b readMask(const std::string& file) {
   if (file.empty()) return {};
-  const cv::Mat mask = cv::imread(file, cv::IMREAD_GRAYSCALE);
+  cv::Mat mask = cv::imread(file, cv::IMREAD_GRAYSCALE);
   require(!mask.empty(), "the mask ", file, " cannot be read as an image");
   return mask;
 }
@@ -186,7 +186,7 @@ struct Collector::Impl {
       Eigen::Quaterniond rotation;  // tf takes what is up to a percent off the unit length, and tf2_eigen as well
       tf2::fromMsg(transform.rotation, rotation);
       transform.rotation = tf2::toMsg(rotation.normalized());
-      const Isometry result = tf2::transformToEigen(transform);
+      Isometry result = tf2::transformToEigen(transform);
       if (result.translation().cwiseAbs().maxCoeff() < kMaxDistance) return result;  // tf takes infinity
       throw Refused{Outcome::kNoTransform, "the transform from " + source + " to " + target +
                                                " is damaged: a translation of " +

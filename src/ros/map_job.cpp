@@ -5,6 +5,8 @@
 
 #include <ros/console.h>
 
+#include <cmath>
+
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/map/colorize.hpp"
 #include "ros/node_log.hpp"
@@ -26,9 +28,8 @@ Callbacks MapJob::callbacks(const Aborted& aborted) {
         5, "progress",
         progress.stage << ": " << static_cast<int>(percent) << " %, " << static_cast<long>(progress.points_per_second)
                        << " points/s, "
-                       << (progress.seconds_left < 0
-                               ? std::string("time left unknown")
-                               : std::to_string(static_cast<long>(progress.seconds_left + 0.5)) + " s left"));
+                       << (progress.seconds_left < 0 ? std::string("time left unknown")
+                                                     : std::to_string(std::lround(progress.seconds_left)) + " s left"));
   };
   return callbacks;
 }

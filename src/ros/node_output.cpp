@@ -72,7 +72,7 @@ NodeOutput::NodeOutput(const ros::NodeHandle& node, const ros::NodeHandle& priva
 std::string NodeOutput::frameFor(const Eigen::Vector3d& origin) {
   const std::string& map_frame = params_.collector.map_frame;
   if (origin.isZero()) return map_frame;
-  const std::string frame = map_frame + "_origin";
+  std::string frame = map_frame + "_origin";
   const std::lock_guard<std::mutex> lock(frame_mutex_);
   if (announced_ && *announced_ == origin) return frame;
   geometry_msgs::TransformStamped transform;

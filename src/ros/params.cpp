@@ -147,7 +147,7 @@ std::map<std::string, std::string> flattenParams(const XmlRpc::XmlRpcValue& valu
 AllParams loadParams() {
   XmlRpc::XmlRpcValue value;
   ros::param::get(ros::this_node::getName(), value);
-  const AllParams params = paramsFromText(flattenParams(value));
+  AllParams params = paramsFromText(flattenParams(value));
   for (const ParamText& row : describeAllParams(params)) {
     ROS_INFO_STREAM_NAMED("params", "~" << row.name << ": " << (row.value.empty() ? "\"\"" : row.value));
   }

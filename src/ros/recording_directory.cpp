@@ -40,7 +40,7 @@ std::string resolveRecordingDirectory(const std::string& recording_dir) {
 std::string setAside(const std::string& directory) {
   std::string name = directory;
   while (name.size() > 1 && name.back() == '/') name.pop_back();
-  const std::string target = unusedName(name + "." + dateAndTime());
+  std::string target = unusedName(name + "." + dateAndTime());
   std::filesystem::rename(name, target);
   return target;
 }

@@ -44,7 +44,7 @@ class Camera {
   /// ([-0.5, width - 0.5) x [-0.5, height - 0.5)).
   std::optional<Eigen::Vector2f> project(const Eigen::Vector3f& point) const {
     if (!mayShow(point, 0.0F)) return std::nullopt;
-    const auto pixel = projectUnbounded(point);
+    auto pixel = projectUnbounded(point);
     if (!pixel || !contains(pixel->x(), pixel->y())) return std::nullopt;
     return pixel;
   }

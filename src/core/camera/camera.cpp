@@ -154,7 +154,7 @@ std::optional<Camera::LinearizedT<Scalar>> Camera::mapLinear(const Numbers<Scala
 }
 
 std::optional<Camera::Linearized> Camera::linearize(const Eigen::Vector3d& point) const {
-  const auto out = mapLinear(exact_, point);
+  auto out = mapLinear(exact_, point);
   if (!out || !contains(static_cast<float>(out->pixel.x()), static_cast<float>(out->pixel.y()))) return std::nullopt;
   return out;
 }

@@ -94,7 +94,7 @@ std::vector<int> orderByLastLink(std::size_t num_points, const std::vector<Link>
     place(link->first);
     place(link->second);
   }
-  for (std::uint32_t point = 0; end > 0; ++point) place(point);  // one point alone has no link
+  for (std::uint32_t point = 0; point < placed.size(); ++point) place(point);  // one point alone has no link
   return order;
 }
 

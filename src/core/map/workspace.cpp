@@ -116,15 +116,17 @@ void Workspace::correctViews(std::vector<CorrectedView> corrections) {
 bool Workspace::restoreDamagedViews() {
   if (!files_.holds(kImageCheckFolder, imageFilesKey(recording_))) return false;
   auto damaged = files_.readDamagedViews();
-  if (damaged) leaveOut(*std::move(damaged));
-  return damaged.has_value();
+  if (!damaged) return false;
+  leaveOut(*std::move(damaged));
+  return true;
 }
 
 bool Workspace::restoreCorrections() {
   if (!aligns() || !files_.holds(kAlignmentFolder, alignmentKey(recording_, params_, damaged_views_))) return false;
   auto corrections = files_.readCorrections();
-  if (corrections) correctViews(*std::move(corrections));
-  return corrections.has_value();
+  if (!corrections) return false;
+  correctViews(*std::move(corrections));
+  return true;
 }
 
 }  // namespace cloud_colorizer

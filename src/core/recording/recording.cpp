@@ -38,7 +38,7 @@ cv::Mat decode(const std::string& path, int flags) {
 }
 
 cv::Mat decodeImage(const std::string& path, int flags, const Intrinsics& intrinsics) {
-  const cv::Mat image = decode(path, flags);
+  cv::Mat image = decode(path, flags);
   require(!image.empty(), "image ", path, " cannot be decoded: it is no image of a known format, or damaged");
   require(image.cols == intrinsics.width && image.rows == intrinsics.height, "image ", path, " is ", image.cols, " x ",
           image.rows, ", but its camera in cameras.yaml has ", intrinsics.width, " x ", intrinsics.height);
@@ -141,7 +141,7 @@ cv::Mat Recording::readMask(std::size_t camera) const {
 
 cv::Mat1w Recording::readScan(std::size_t scan) const {
   const std::string path = state_->directory + '/' + state_->scans.at(scan).image;
-  const cv::Mat panorama = decode(path, cv::IMREAD_UNCHANGED);
+  cv::Mat panorama = decode(path, cv::IMREAD_UNCHANGED);
   require(panorama.type() == CV_16UC1 && !panorama.empty(), "scan ", path,
           " is damaged: it is no image of 16 bit ranges; delete scans.csv to colour without scans");
   return panorama;

@@ -137,7 +137,7 @@ class Estimator {
     tree_.nearest(at(i), many, wide_.data(), squared_.data());
     Moments moments;
     for (const std::uint32_t j : wide_) moments.add(at(j) - at(i));
-    const Plane plane = planeOf(moments);
+    Plane plane = planeOf(moments);
     if (!plane.normal.isZero()) radius = std::max(radius, 0.5F * std::sqrt(squared_.back()));
     return plane;
   }

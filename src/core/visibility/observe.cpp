@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kSaturatedWeight = 0.05F;  // the true value is unknown, only that it is brighter
 constexpr auto kBorder = static_cast<float>(kImageBorder);
-constexpr float kFullWeightBorder = 20;    // px from the usable border to where an observation counts fully
+constexpr float kFullWeightBorder = 20;  // px from the usable border to where an observation counts fully
 
 using Sampler = void (*)(const cv::Mat&, float, float, float*);
 
