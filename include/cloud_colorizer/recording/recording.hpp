@@ -5,7 +5,7 @@
 ///   recording.yaml   format version, map frame, origin, voxel and tile size, fields of a point
 ///   cameras.yaml     intrinsics and mask of every camera
 ///   views.csv        one line a view: camera, stamp, pose, image file
-///   images/<camera>/ the images as received
+///   images/camera_i/ the images as received
 ///   scans.csv        one line a scan: stamp, pose, file of ranges
 ///   scans/           which ranges the sensor measured at that moment, as 16 bit PNG
 ///   tiles/x_y_z.pcd  the points of one cube, positions relative to the origin
