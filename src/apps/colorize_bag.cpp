@@ -68,8 +68,9 @@ void run(const CommandLine& line, const Callbacks& callbacks) {
   checkOutputs(line);
   RecordingFolder scratch(line.option("recording"), line.option("output"), callbacks);
   record(line, scratch.path(), callbacks);
-  scratch.setWhole();
-  colorAndSave(Recording::open(scratch.path()), line, callbacks);
+  const Recording recording = Recording::open(scratch.path());
+  if (recording.numPoints() > 0 && !recording.views().empty()) scratch.setWhole();  // else it can colour nothing
+  colorAndSave(recording, line, callbacks);
   scratch.setDone();
 }
 

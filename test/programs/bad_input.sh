@@ -73,7 +73,8 @@ refuse 1 'format version 999' colorize_bag "$bag" --output "$out" --recording "$
 changed_copy; rm -r "$tmp/copy/images"
 refuse 1 'images' colorize "$tmp/copy" --output "$out"
 changed_copy; echo "no image" >"$(find "$tmp/copy/images" -type f | sort | head -1)"
-refuse 1 'cannot be decoded' colorize "$tmp/copy" --output "$out"
+expect 0 'views left out because of their images: 1' colorize "$tmp/copy" --output "$tmp/without.ply"
+grep -q 'cannot be decoded' "$tmp/log" || problem "the log does not name the damaged image"
 changed_copy; echo "no number,1,2" >>"$tmp/copy/views.csv"
 refuse 1 'views.csv.*damaged' colorize "$tmp/copy" --output "$out"
 changed_copy

@@ -24,7 +24,7 @@ missing=$(comm -13 "$tmp/all" "$tmp/readme")
 
 # ---- topics, services, launch files, pictures ----
 # The name that is advertised or subscribed to as a literal.
-names=$(sed -nE 's/.*(advertise|advertiseService)(<[^>]*>)?\("([a-z_]+)".*/\3/p; s/.*subscribeTo<[^>]*>\("([a-z_\/]+)".*/\1/p' \
+names=$(sed -nE 's/.*(advertise|serve)<[^>]*>\("([a-z_]+)".*/\2/p; s/.*subscribeTo<[^>]*>\("([a-z_\/]+)".*/\1/p' \
   src/ros/*.cpp)
 [ "$(wc -w <<<"$names")" -gt 8 ] || problem "too few names found in src/ros for this test to mean anything"
 for name in $names; do grep -qE "\`~?$name\`" README.md || problem "README.md has no row for the topic or service $name"; done
