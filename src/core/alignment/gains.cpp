@@ -14,7 +14,7 @@ namespace {
 constexpr int kRounds = 12;
 constexpr double kLogGainPrior = 0.3;       // of a view's log gain
 constexpr double kIndependentShare = 0.02;  // of the points: neighbours say the same
-constexpr float kMinScale = 1;              // grey levels
+constexpr float kMinResidual = 1;           // grey levels
 
 // Robust weights of residuals in grey levels against `centres` (log), times value^2: equations are in logarithms.
 void weigh(const Tracks& tracks, const std::vector<float>& values, const std::vector<float>& base,
@@ -28,7 +28,7 @@ void weigh(const Tracks& tracks, const std::vector<float>& values, const std::ve
     residuals[k] = values[k] * (equations.values[k] - centres[p]);
     magnitudes.push_back(std::abs(residuals[k]));
   }
-  const float scale = robustSigma(std::move(magnitudes), kMinScale);
+  const float scale = robustSigma(std::move(magnitudes), kMinResidual);
   for (std::size_t k = 0; k < values.size(); ++k) {
     const float in_levels = values[k] / scale;
     equations.weights[k] = base[k] > 0 ? base[k] * cauchyWeight(residuals[k], scale) * in_levels * in_levels : 0;

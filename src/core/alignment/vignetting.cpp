@@ -11,11 +11,11 @@
 namespace cloud_colorizer::alignment {
 namespace {
 
-constexpr int kSweeps = 10;            // of demeaning by view and by point
-constexpr int kRobustRounds = 3;       // of weights
-constexpr float kMinScale = 0.01F;     // of the brightness
-constexpr double kSystematic = 0.005;  // of the brightness: what images get wrong together
-constexpr double kBlockShare = 0.02;   // of the map's size: side of a block
+constexpr int kSweeps = 10;             // of demeaning by view and by point
+constexpr int kRobustRounds = 3;        // of weights
+constexpr float kMinDeviation = 0.01F;  // of the brightness
+constexpr double kCommonError = 0.005;  // of the brightness: what images get wrong together
+constexpr double kBlockShare = 0.02;    // of the map's size: side of a block
 
 using Columns = Eigen::Matrix<float, Eigen::Dynamic, 3>;  // log brightness, r^2, r^4: a row an observation
 
@@ -113,7 +113,7 @@ void reweigh(const Columns& columns, const Eigen::Vector2d& coefficients, const 
     residuals[k] = row[0] + row.tail<2>().dot(coefficients.cast<float>().transpose());
     if (base[k] > 0) magnitudes.push_back(std::abs(residuals[k]));
   }
-  const float scale = robustSigma(std::move(magnitudes), kMinScale);
+  const float scale = robustSigma(std::move(magnitudes), kMinDeviation);
   for (std::size_t k = 0; k < base.size(); ++k) weights[k] = base[k] * cauchyWeight(residuals[k], scale);
 }
 
@@ -137,7 +137,7 @@ std::vector<Eigen::Array2f> estimateVignetting(const AlignmentInput& input, cons
     }
     const double found = std::sqrt(fit.coefficients.dot(fit.moments * fit.coefficients));
     const double uncertainty = std::sqrt((fit.moments * fit.covariance).trace());
-    const double factor = shrinkFactor(found, std::hypot(uncertainty, kSystematic));
+    const double factor = shrinkFactor(found, std::hypot(uncertainty, kCommonError));
     result[camera] = (factor * fit.coefficients).cast<float>().array();
   });
   return result;

@@ -5,6 +5,7 @@
 /// made once a file or message.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -42,6 +43,8 @@ class CloudLayout {
 
   const std::vector<Field>& fields() const { return fields_; }  ///< without x, y, z and padding
   std::size_t stride() const { return stride_; }
+  /// As many as are well decoded at a time: their raw bytes stay in the cache.
+  std::size_t pointsPerBlock() const { return std::max<std::size_t>(1, (std::size_t{1} << 18U) / stride_); }
   std::size_t numValues() const { return scalars_.size(); }
 
   /// Turns the `num_points` points at `raw` into points [first, first + num_points) of the cloud.

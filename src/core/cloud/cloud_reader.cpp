@@ -14,8 +14,6 @@ namespace cloud_colorizer {
 
 namespace {
 
-constexpr std::size_t kBlockSize = 1 << 18;  ///< bytes of points that are decoded at a time
-
 CloudHeader readHeader(BlockReader& input) {
   const auto extension = lowerExtension(input.path());
   require(extension == ".ply" || extension == ".pcd", "cannot read ", input.path(),
@@ -107,7 +105,7 @@ const std::vector<Field>& CloudReader::fields() const {
 Cloud CloudReader::read(std::size_t max_points) {
   auto& impl = *impl_;
   const auto num_points = std::min<std::size_t>(max_points, impl.header.num_points - impl.num_read);
-  const auto block_points = std::max<std::size_t>(1, kBlockSize / impl.layout.stride());
+  const auto block_points = impl.layout.pointsPerBlock();
   Cloud cloud;
   cloud.fields = impl.layout.fields();
   cloud.positions.resize(3, static_cast<Eigen::Index>(num_points));

@@ -10,8 +10,6 @@ namespace {
 
 using Invalid = std::invalid_argument;
 
-constexpr std::size_t kBlockSize = 1 << 18;  ///< bytes of points that are decoded at a time
-
 /// Fields within point_step, without padding.
 std::vector<PlacedField> placedFields(const PointBytes& bytes) {
   std::vector<PlacedField> placed;
@@ -67,7 +65,7 @@ Cloud cloudOf(const PointBytes& bytes) {
   cloud.fields = layout.fields();
   cloud.positions.resize(3, static_cast<Eigen::Index>(width * height));
   cloud.records.resize(width * height * recordSize(cloud.fields));
-  const auto block_points = std::max<std::size_t>(1, kBlockSize / layout.stride());
+  const auto block_points = layout.pointsPerBlock();
   for (std::size_t row = 0; row < height; ++row) {
     for (std::size_t first = 0; first < width; first += block_points) {
       layout.decode(bytes.data + row * bytes.row_step + first * layout.stride(), std::min(block_points, width - first),
