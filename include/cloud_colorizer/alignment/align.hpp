@@ -65,7 +65,7 @@ struct ViewAlignment {
   double rotation = 0;         ///< deg
   double translation = 0;      ///< m
   double pixels = 0;           ///< median shift of its points in the image
-  double residual_before = 0;  ///< grey levels, median distance to the points' mean, after the gains
+  double residual_before = 0;  ///< grey levels, mean distance of held-back points to what the other views predict
   double residual_after = 0;
 };
 
@@ -73,21 +73,24 @@ struct CameraAlignment {
   Eigen::Isometry3d corrected_from_camera = Eigen::Isometry3d::Identity();  ///< shared correction, in its own frame
   double rotation = 0;                                                      ///< deg
   double translation = 0;                                                   ///< m
-  double uncertainty = 0;                                                   ///< px, of the shared correction
   Eigen::Array2f vignetting = Eigen::Array2f::Zero();                       ///< see Exposure::vignetting
-  double views_uncertainty = 0;                                             ///< px, of its views' own corrections
   double time_offset = 0;            ///< s to add to the stamps for the best agreement
   double time_offset_stddev = 0;     ///< s; 0 when there is no motion to tell it from
-  bool time_offset_suspect = false;  ///< large against its uncertainty and worth a warning
+  bool time_offset_suspect = false;  ///< this alone explains, at all moments, what held-back points show
+  bool calibration_suspect = false;  ///< the shared correction alone explains it, at all moments and places
 };
 
 struct AlignmentResult {
   std::vector<ViewAlignment> views;
   std::vector<CameraAlignment> cameras;
   bool poses_aligned = false, exposure_aligned = false;
-  std::vector<std::string> warnings;               ///< what looks wrong, or why nothing was done, one sentence each
-  double residual_before = 0, residual_after = 0;  ///< grey levels, median over all observations
-  double pixels = 0;                               ///< median over the views of their median shift
+  std::vector<std::string> warnings;  ///< what looks wrong, or why nothing was done, one sentence each
+  /// grey levels: mean distance of held-back points to what the other views predict, with the poses as they came and as
+  /// they were corrected; standard error of the difference
+  double residual_before = 0, residual_after = 0, residual_error = 0;
+  bool corrections_kept = false;  ///< of poses; they are only if the second is proven to be better
+  double pixels = 0;              ///< median over the views of their median shift
+  double thickness = 0;           ///< m, of the slab that the points of a surface make: twice their scatter
   double seconds = 0;
 };
 

@@ -3,6 +3,7 @@
 #include "cloud_colorizer/alignment/align.hpp"
 
 #include "alignment/aligner.hpp"
+#include "base/robust.hpp"
 #include "base/stop_watch.hpp"
 #include "cloud_colorizer/base/check.hpp"
 
@@ -35,6 +36,13 @@ AlignmentInput onSurface(const AlignmentInput& input) {
   return moved;
 }
 
+// m: twice the scatter of the points about their surface.
+double thickness(const Surfels& surfels) {
+  std::vector<float> distances(surfels.offsets.data(), surfels.offsets.data() + surfels.offsets.size());
+  for (float& distance : distances) distance = std::abs(distance);
+  return 2 * kMadToSigma * static_cast<double>(median(std::move(distances)));
+}
+
 }  // namespace
 
 void AlignmentParams::check() const {
@@ -49,7 +57,7 @@ AlignmentResult align(const AlignmentInput& input, const AlignmentParams& params
   params.check();
   checkInput(input);
   const AlignmentInput moved = onSurface(input);
-  AlignmentResult result = alignment::Aligner(moved, params, callbacks).run();
+  AlignmentResult result = alignment::Aligner(moved, thickness(input.surfels), params, callbacks).run();
   result.seconds = watch.lap();
   return result;
 }

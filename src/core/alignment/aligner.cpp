@@ -14,7 +14,7 @@
 namespace cloud_colorizer::alignment {
 namespace {
 
-constexpr double kCoarsestBlur = 8;  // px: beyond it too little texture is left
+constexpr double kCoarsestBlur = 8;  // px of the small images: beyond it too little texture is left
 constexpr double kBlurRatio = 0.6;   // from one level to the next
 // Of all views together: 450 MB with their equations, whatever memory_limit is, for the result must not depend on it.
 constexpr double kMaxSights = 2.25e6;
@@ -23,11 +23,13 @@ constexpr std::size_t kMinShared = 60;  // points that a view must share with ot
 
 }  // namespace
 
-Aligner::Aligner(const AlignmentInput& input, const AlignmentParams& params, const Callbacks& callbacks)
+Aligner::Aligner(const AlignmentInput& input, double thickness, const AlignmentParams& params,
+                 const Callbacks& callbacks)
     : input_(input),
       params_(params),
       workers_(input.num_threads, callbacks),
       runs_(makeRuns(input.points, input.surfels)),
+      images_(input),
       sights_(input.views.size()) {
   const double points = kMaxSights / static_cast<double>(std::max<std::size_t>(1, input.views.size()));
   max_points_ = static_cast<std::size_t>(std::clamp<double>(points, kMinPoints, params.alignment_points));
@@ -36,6 +38,7 @@ Aligner::Aligner(const AlignmentInput& input, const AlignmentParams& params, con
   state_.time_offsets.assign(input.cameras.size(), 0);
   seen_at_ = state_;
   log_gains_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(input.views.size()));
+  result_.thickness = thickness;
   result_.views.resize(input.views.size());
   result_.cameras.resize(input.cameras.size());
   for (std::size_t v = 0; v < input.views.size(); ++v) {
@@ -44,7 +47,7 @@ Aligner::Aligner(const AlignmentInput& input, const AlignmentParams& params, con
 }
 
 PoseData Aligner::dataOf(const BlurredImages& images) const {
-  return {&input_, &tracks_, &images, &log_gains_, images.sigma(), &workers_, ranks_.size() > 0 ? &ranks_ : nullptr};
+  return {&input_, &tracks_, &images, &log_gains_, &workers_, ranks_.size() > 0 ? &ranks_ : nullptr};
 }
 
 void Aligner::show(std::size_t done, std::size_t total) const {
@@ -81,14 +84,31 @@ bool Aligner::hasDepth8Bit() {
 // Looks again which view sees which point, only in those views that have moved, unless `all`; and makes tracks of at
 // most so many points of each view.
 void Aligner::look(bool all, std::size_t points) {
-  constexpr double kMovedPixels = 1.5;
+  constexpr double kMovedPixels = 1.5;  // of its small image
   workers_.forEach(input_.views.size(), [&](std::size_t v) {
-    if (!all && pixelsOf(v, seen_at_) < kMovedPixels) return;
+    const int step = smallStep(input_.cameras[cameraOf(v)].intrinsics());
+    if (!all && pixelsOf(v, seen_at_) < kMovedPixels * step) return;
     const Eigen::Isometry3d pose = correctedPose(input_.views[v], state_.views[v]);
     sights_[v] = findSights(input_, runs_, v, pose, max_points_);
     seen_at_.views[v] = state_.views[v];
   });
-  tracks_ = makeTracks(sights_, static_cast<std::size_t>(input_.points.cols()), points);
+  tracks_ = tracksOf(sights_, points, false);
+}
+
+Tracks Aligner::tracksOf(const std::vector<std::vector<Sight>>& sights, std::size_t points, bool with_held_back) const {
+  return makeTracks(sights, static_cast<std::size_t>(input_.points.cols()), points,
+                    [&](std::uint32_t p) { return with_held_back || !blocks_.isHeldBack(p); });
+}
+
+// A twelfth of an image wide, at the median distance.
+double Aligner::blockSide(const std::vector<double>& depths) const {
+  constexpr double kBlocksAcross = 12;
+  std::vector<double> widths;
+  for (std::size_t v = 0; v < depths.size(); ++v) {
+    const Intrinsics& k = input_.cameras[input_.views[v].camera].intrinsics();
+    if (depths[v] > 0) widths.push_back(depths[v] * k.width / k.fx);
+  }
+  return std::max(1e-9, median(std::move(widths)) / kBlocksAcross);
 }
 
 // Of each view, m.
@@ -125,10 +145,12 @@ bool Aligner::hasOverlap() {
   return false;
 }
 
-// As many pixels as the priors let a point be off.
+// As many pixels of the small images as the priors let a point be off.
 double Aligner::startBlur() const {
   double focal = 0;
-  for (const Camera& camera : input_.cameras) focal = std::max(focal, camera.intrinsics().fx);
+  for (const Camera& camera : input_.cameras) {
+    focal = std::max(focal, camera.intrinsics().fx / smallStep(camera.intrinsics()));
+  }
   double variance = std::pow(params_.extrinsic_rotation_prior * M_PI / 180, 2);
   if (params_.align_poses == AlignPoses::kViews) variance += std::pow(params_.pose_rotation_prior * M_PI / 180, 2);
   return std::clamp(focal * std::sqrt(2 * variance), 2.0, kCoarsestBlur);
@@ -148,29 +170,6 @@ void Aligner::updateGains(PoseData data) {
   log_gains_ = estimateLogGains(tracks_, grey.values, grey.weights, kMaxGain, workers_);
 }
 
-// The clocks are always looked at, because they are the commonest fault; they are corrected only if asked for.
-void Aligner::findClocks() {
-  constexpr double kSuspect = 0.01;  // s
-  const BlurredImages images(input_, startBlur());
-  const PoseData data = dataOf(images);
-  updateGains(data);
-  PosePriors free = priors_;
-  free.time_sigmas.assign(input_.cameras.size(), params_.time_offset_prior);
-  const double common = searchTimeOffset(data, free, state_);
-  PoseState state = state_;
-  for (double& offset : state.time_offsets) offset = common;
-  for (std::size_t v = 0; v < state.views.size(); ++v) state.views[v] += common * priors_.velocities[v];
-  const PoseRounds rounds = refinePoses(data, free, state);
-  for (std::size_t c = 0; c < input_.cameras.size(); ++c) {
-    CameraAlignment& camera = result_.cameras[c];
-    if (rounds.time_stddevs[c] > 0.9 * params_.time_offset_prior) continue;  // nothing moves
-    camera.time_offset = state.time_offsets[c];
-    camera.time_offset_stddev = rounds.time_stddevs[c];
-    camera.time_offset_suspect = std::abs(camera.time_offset) > std::max(kSuspect, 4 * camera.time_offset_stddev);
-  }
-  if (params_.align_time_offset) state_ = state;
-}
-
 void Aligner::refine() {
   look(false, fewPoints());
   findClocks();
@@ -178,12 +177,12 @@ void Aligner::refine() {
   for (std::size_t level = 0; level < sigmas.size(); ++level) {
     show(level, sigmas.size());
     look(false, level + 1 < sigmas.size() ? fewPoints() : max_points_);
-    const BlurredImages images(input_, sigmas[level]);
+    const BlurredImages images(input_, images_, sigmas[level]);
     const PoseData data = dataOf(images);
     updateGains(data);
     if (level > 0) learnSteps(input_.views, state_, priors_);
     const PoseRounds rounds = refinePoses(data, priors_, state_);
-    if (level + 1 == sigmas.size()) shrink(data);
+    if (level + 1 == sigmas.size()) keepProven(images);
     std::ostringstream text;
     text << "Alignment at a blur of " << sigmas[level] << " px: residual " << rounds.residual_first << " to "
          << rounds.residual_last << " grey levels in " << rounds.accepted << " steps";
@@ -199,16 +198,19 @@ AlignmentResult Aligner::run() {
   if (params_.align_to_intensity) ranks_ = intensityRanks(input_.intensity);
   look(true, max_points_);
   if (!hasOverlap()) return std::move(result_);
-  priors_ = makePriors(input_, params_, medianDepths());
+  const std::vector<double> depths = medianDepths();
+  priors_ = makePriors(input_, params_, depths);
+  blocks_ = makeBlocks(input_.points, blockSide(depths));
+  first_sights_ = sights_;
   if (params_.align_poses != AlignPoses::kNone) {
     refine();
-    refuse();
     result_.poses_aligned = true;
   }
   look(false, fewPoints());
   const double sigma = result_.poses_aligned ? 1.2 : startBlur();
-  const auto exposures = estimateExposures(input_, tracks_, state_, sigma, params_.align_vignetting, workers_);
-  const std::vector<float> weights = sharpnessWeights(input_, tracks_, state_, exposures, workers_);
+  const Tracks all = tracksOf(sights_, fewPoints(), true);
+  const auto exposures = estimateExposures(input_, all, blocks_, state_, sigma, params_.align_vignetting, workers_);
+  const std::vector<float> weights = sharpnessWeights(input_, all, state_, exposures, images_, workers_);
   for (std::size_t v = 0; v < weights.size(); ++v) {
     if (params_.align_exposure) {
       result_.views[v].exposure = exposures[v];

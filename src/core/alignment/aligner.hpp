@@ -7,19 +7,23 @@
 #include <string>
 #include <vector>
 
-#include "alignment/refine_poses.hpp"
+#include "alignment/proof.hpp"
 
 namespace cloud_colorizer::alignment {
 
-constexpr double kFinestBlur = 0.7;  ///< px
+constexpr double kFinestBlur = 0.7;  ///< px of the small images
+
+/// One sentence: what held-back points say of a correction.
+std::string describe(const Evidence& evidence);
 
 /// Why a view keeps the pose it came with; empty: it does not. `sigmas`: its correction in sigmas of its prior.
-std::string refusal(double sigmas, float residual_before, float residual_after);
+std::string refusal(double sigmas, const Evidence& evidence);
 
-/// Everything that align() works on. Its input's points lie on their surface.
+/// Everything that align() works on. Its input's points lie on their surface; `thickness`: of the slab that they made
+/// before, m.
 class Aligner {
  public:
-  Aligner(const AlignmentInput& input, const AlignmentParams& params, const Callbacks& callbacks);
+  Aligner(const AlignmentInput& input, double thickness, const AlignmentParams& params, const Callbacks& callbacks);
 
   AlignmentResult run();
 
@@ -28,9 +32,10 @@ class Aligner {
   bool hasDepth8Bit();
   void look(bool all, std::size_t points);
   bool hasOverlap();
+  Tracks tracksOf(const std::vector<std::vector<Sight>>& sights, std::size_t points, bool with_held_back) const;
   std::vector<double> medianDepths() const;
+  double blockSide(const std::vector<double>& depths) const;
   void refine();
-  void findClocks();
   void updateGains(PoseData data);
   std::size_t fewPoints() const;
   double startBlur() const;
@@ -40,21 +45,33 @@ class Aligner {
   void log(const std::string& text) const;
 
   // outcome.cpp: what is kept of the corrections, and what is told of them
-  void shrink(const PoseData& data);
-  void refuse();
+  void shareCommon(const Tracks& tracks);
+  void keepProven(const BlurredImages& images);
+  void keepViews(const PoseData& data);
+  Showing keepByCamera(const PoseData& data, const std::string& what, const PoseState& without, const Showing& before);
+  void judge(const PoseData& data);
   void report();
-  void warnAboutCamera(std::size_t c);
-  PoseState uncorrectedViews() const;
-  std::vector<float> residuals(const PoseState& state, std::vector<float>& by_view) const;
+  std::uint32_t cameraOf(std::size_t view) const { return input_.views[view].camera; }
+  Twist expected(std::size_t view) const;
+  PoseState uncorrected() const;
   double pixelsOf(std::size_t view, const PoseState& from) const;
+
+  // diagnosis.cpp: what a correction that is kept says about the recording
+  void findClocks();
+  void suspectClocks(const PoseData& data, const PoseState& clocks, const PoseState& all);
+  void suspectCalibration(const PoseData& data);
+  bool explains(const PoseData& data, const Showing (&shown)[3], std::uint32_t camera) const;
+  void warnAboutCamera(std::uint32_t c);
 
   const AlignmentInput& input_;
   const AlignmentParams& params_;
   Workers workers_;
   std::vector<PointRun> runs_;
-  std::size_t max_points_ = 0;  // of a view
-  std::vector<std::vector<Sight>> sights_;
-  Tracks tracks_;
+  SmallImages images_;
+  std::size_t max_points_ = 0;                             // of a view
+  std::vector<std::vector<Sight>> sights_, first_sights_;  // by view: at its present pose, and at the one it came with
+  Blocks blocks_;
+  Tracks tracks_;  // of what is not held back
   PosePriors priors_;
   PoseState state_, seen_at_;
   Eigen::VectorXd log_gains_;

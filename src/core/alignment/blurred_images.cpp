@@ -11,24 +11,31 @@
 namespace cloud_colorizer::alignment {
 namespace {
 
-constexpr int kSaturated = 250, kBlack = 5;  // of 255
-constexpr double kImagesShare = 0.5;         // of the memory; the rest is for what the views see
-constexpr int kInvalidShare = 40;            // of 255: more of the blur than that is saturated, black or masked
+constexpr int kSaturated = 250, kBlack = 5;               // of 255
+constexpr double kMaxPixels = 2.1e6;                      // of a small image: full HD
+constexpr double kSmallShare = 0.2, kBlurredShare = 0.4;  // of the memory; the rest is for what the views see
+constexpr int kInvalidShare = 40;  // of 255: more of the blur than that is saturated, black or masked
 
-// Channels beyond these bounds carry no information about the exposure.
+// 255 where a pixel tells nothing: channels beyond these bounds carry no information about the exposure.
 cv::Mat1b unusablePixels(const cv::Mat& image, const cv::Mat* mask) {
-  cv::Mat1b unusable(image.size());
-  const int channels = image.channels();
-  for (int y = 0; y < image.rows; ++y) {
-    const auto* row = image.ptr<std::uint8_t>(y);
-    for (int x = 0; x < image.cols; ++x, row += channels) {
-      const auto [low, high] = std::minmax_element(row, row + channels);
-      const bool masked = mask && mask->at<std::uint8_t>(y, x) == 0;
-      static_cast<void>(low);
-      unusable(y, x) = masked || *high > kSaturated || *high < kBlack ? 255 : 0;
-    }
+  cv::Mat highest = image;
+  if (image.channels() == 3) {
+    cv::Mat planes[3];
+    cv::split(image, planes);
+    cv::max(planes[0], planes[1], highest);
+    cv::max(highest, planes[2], highest);
   }
+  cv::Mat1b unusable;
+  cv::inRange(highest, kBlack, kSaturated, unusable);
+  if (mask) unusable.setTo(0, *mask == 0);
+  cv::bitwise_not(unusable, unusable);
   return unusable;
+}
+
+// Whether a view's share of the memory is enough: each has an equal claim, so that what is kept does not depend on the
+// order of the threads.
+bool mayKeep(const AlignmentInput& input, std::size_t view, double bytes, double share) {
+  return static_cast<double>(view + 1) * bytes < share * 1e6 * input.memory_limit;
 }
 
 cv::Mat halve(const cv::Mat& image, int step) {
@@ -45,22 +52,42 @@ void blurInPlace(cv::Mat& image, double sigma) {
 
 }  // namespace
 
-BlurredImage blurImage(const cv::Mat& image, const cv::Mat* mask, double sigma) {
-  int step = 1;
-  while (2 * step <= sigma / 1.4 && std::min(image.cols, image.rows) / (2 * step) >= 16) step *= 2;
-  // Averaging step x step pixels blurs already, with this variance.
-  const double rest = std::sqrt(std::max(0.0, sigma * sigma - (step * step - 1) / 12.0)) / step;
-  cv::Mat small = halve(image, step), wide, grey;
-  small.convertTo(wide, CV_16U, BlurredImage::kGreyScale);
-  if (wide.channels() == 3) {
-    cv::cvtColor(wide, grey, cv::COLOR_RGB2GRAY);
-  } else {
-    grey = wide;
+int smallStep(const Intrinsics& intrinsics) {
+  const double pixels = static_cast<double>(intrinsics.width) * intrinsics.height;
+  return std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kMaxPixels))));
+}
+
+SmallImage shrinkImage(const cv::Mat& image, const cv::Mat* mask, int step) {
+  SmallImage result;
+  result.step = step;
+  cv::Mat grey = image;
+  if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_RGB2GRAY);
+  result.grey = halve(grey, step);
+  const cv::Mat1b unusable = unusablePixels(image, mask);
+  if (cv::countNonZero(unusable) > 0) {
+    // Cells that reach over the border as well: what lies beyond it is as its nearest pixel.
+    const int side = step * SmallImage::kInvalidCell;
+    const auto missing = [&](int size) { return (side - size % side) % side; };
+    cv::Mat1b padded;
+    cv::copyMakeBorder(unusable, padded, 0, missing(unusable.rows), 0, missing(unusable.cols), cv::BORDER_REPLICATE);
+    result.invalid = halve(padded, side);
   }
+  return result;
+}
+
+BlurredImage blurImage(const SmallImage& image, double sigma) {
+  const double small_sigma = sigma / image.step;
+  int step = 1;
+  while (2 * step <= small_sigma / 1.4 && std::min(image.grey.cols, image.grey.rows) / (2 * step) >= 16) step *= 2;
+  // Averaging step x step pixels blurs already, with this variance.
+  const double rest = std::sqrt(std::max(0.0, small_sigma * small_sigma - (step * step - 1) / 12.0)) / step;
+  cv::Mat grey;
+  halve(image.grey, step).convertTo(grey, CV_16U, BlurredImage::kGreyScale);
   blurInPlace(grey, rest);
-  cv::Mat invalid = halve(unusablePixels(image, mask), step);
-  if (cv::countNonZero(invalid) > 0) blurInPlace(invalid, rest);
-  return BlurredImage{grey, invalid, static_cast<float>(step)};
+  cv::Mat invalid = image.invalid.clone();
+  if (!invalid.empty()) blurInPlace(invalid, small_sigma / SmallImage::kInvalidCell);
+  return {grey, invalid, static_cast<float>(step * image.step),
+          static_cast<float>(image.step * SmallImage::kInvalidCell)};
 }
 
 GreySample sampleGrey(const BlurredImage& image, const Eigen::Vector2d& pixel) {
@@ -84,7 +111,9 @@ GreySample sampleGrey(const BlurredImage& image, const Eigen::Vector2d& pixel) {
   const float scale = 1 / BlurredImage::kGreyScale;
   sample.value = value * scale;
   sample.gradient = Eigen::Vector2f(gx, gy) * (scale / image.step);
-  sample.valid = image.invalid(y + (b > 0.5F), x + (a > 0.5F)) < kInvalidShare;
+  sample.valid =
+      image.invalid.empty() || image.invalid(static_cast<int>((pixel.y() + 0.5) / image.invalid_step),
+                                             static_cast<int>((pixel.x() + 0.5) / image.invalid_step)) < kInvalidShare;
   return sample;
 }
 
@@ -111,17 +140,27 @@ std::shared_ptr<const cv::Mat> loadMask(const AlignmentInput& input, std::size_t
   return mask;
 }
 
-BlurredImages::BlurredImages(const AlignmentInput& input, double sigma)
-    : input_(&input), sigma_(sigma), kept_(input.views.size()) {}
-
-std::shared_ptr<const BlurredImage> BlurredImages::get(std::size_t view) const {
+std::shared_ptr<const SmallImage> SmallImages::get(std::size_t view) const {
   if (kept_[view]) return kept_[view];
   const auto image = loadImage(*input_, view);
   const auto mask = loadMask(*input_, view);
-  auto blurred = std::make_shared<BlurredImage>(blurImage(*image, mask.get(), sigma_));
-  const double bytes = 3.0 * static_cast<double>(blurred->grey.total());
-  // Each view has an equal claim, so that what is kept does not depend on the order of the threads.
-  if (static_cast<double>(view + 1) * bytes < kImagesShare * 1e6 * input_->memory_limit) kept_[view] = blurred;
+  const int step = smallStep(input_->cameras[input_->views[view].camera].intrinsics());
+  auto small = std::make_shared<SmallImage>(shrinkImage(*image, mask.get(), step));
+  if (mayKeep(*input_, view, 1.1 * static_cast<double>(small->grey.total()), kSmallShare)) kept_[view] = small;
+  return small;
+}
+
+BlurredImages::BlurredImages(const AlignmentInput& input, const SmallImages& images, double sigma)
+    : input_(&input), images_(&images), sigma_(sigma), kept_(input.views.size()) {}
+
+double BlurredImages::sigma(std::size_t view) const {
+  return sigma_ * smallStep(input_->cameras[input_->views[view].camera].intrinsics());
+}
+
+std::shared_ptr<const BlurredImage> BlurredImages::get(std::size_t view) const {
+  if (kept_[view]) return kept_[view];
+  auto blurred = std::make_shared<BlurredImage>(blurImage(*images_->get(view), sigma(view)));
+  if (mayKeep(*input_, view, 2.1 * static_cast<double>(blurred->grey.total()), kBlurredShare)) kept_[view] = blurred;
   return blurred;
 }
 

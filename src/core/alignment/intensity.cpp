@@ -53,6 +53,14 @@ void relateView(const Tracks& tracks, const ViewEquations& seen, const Eigen::Ve
   }
 }
 
+Relative relate(const Tracks& tracks, const ViewEquations& seen, const Eigen::VectorXf& ranks, const Workers& workers) {
+  const std::size_t count = tracks.numObservations();
+  Relative relative{std::vector<float>(count, 0), std::vector<float>(count, 0), std::vector<float>(count, 0),
+                    std::vector<Vector6f>(count, Vector6f::Zero())};
+  workers.forEach(tracks.numViews(), [&](std::size_t v) { relateView(tracks, seen, ranks, v, relative); });
+  return relative;
+}
+
 // Upper bounds of bins of about equal count.
 std::vector<float> binBounds(const Relative& relative) {
   std::vector<float> sorted;
@@ -119,15 +127,12 @@ Eigen::VectorXf intensityRanks(const Eigen::VectorXf& intensity) {
 }
 
 IntensityTerm intensityTerm(const Tracks& tracks, const ViewEquations& seen, const Eigen::VectorXf& ranks,
-                            const Workers& workers, const PointGroups& groups) {
-  const std::size_t count = tracks.numObservations(), num_views = tracks.numViews();
+                            const Workers& workers) {
+  const std::size_t num_views = tracks.numViews();
   IntensityTerm term;
-  if (!groups.empty()) term.group_gradients.setZero(static_cast<Eigen::Index>(6 * num_views), kPointGroups);
   term.hessians.assign(num_views, Eigen::Matrix<double, 6, 6>::Zero());
   term.gradients.assign(num_views, Twist::Zero());
-  Relative relative{std::vector<float>(count, 0), std::vector<float>(count, 0), std::vector<float>(count, 0),
-                    std::vector<Vector6f>(count, Vector6f::Zero())};
-  workers.forEach(num_views, [&](std::size_t v) { relateView(tracks, seen, ranks, v, relative); });
+  const Relative relative = relate(tracks, seen, ranks, workers);
   const BinMeans bins = explain(relative);
   if (!(bins.total_sum > 0)) return term;
   term.explained = bins.explained_sum / bins.total_sum;
@@ -140,18 +145,31 @@ IntensityTerm intensityTerm(const Tracks& tracks, const ViewEquations& seen, con
       const double w = factor * relative.weights[k];
       if (!(w > 0)) continue;
       const Twist jacobian = relative.jacobians[k].cast<double>();
-      const Twist pull = w * (explained * relative.values[k] - bins(relative.ranks[k])) * jacobian;
-      term.gradients[v] += pull;
-      if (!groups.empty()) {
-        const auto row = static_cast<Eigen::Index>(6 * v),
-                   group = static_cast<Eigen::Index>(groups[tracks.sights[k].point]);
-        term.group_gradients.col(group).segment<6>(row) += pull;
-      }
+      term.gradients[v] += w * (explained * relative.values[k] - bins(relative.ranks[k])) * jacobian;
       // Only the explained part of the grey level moves with the intensity.
       term.hessians[v] += (w * explained) * jacobian * jacobian.transpose();
     }
   });
   return term;
+}
+
+std::vector<float> unexplainedShares(const Tracks& tracks, const ViewEquations& seen, const Eigen::VectorXf& ranks,
+                                     const std::vector<float>& learn, const Workers& workers) {
+  std::vector<float> shares(tracks.numObservations(), std::nanf(""));
+  Relative relative = relate(tracks, seen, ranks, workers);
+  const std::vector<float> all = relative.weights;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (!(learn[k] > 0)) relative.weights[k] = 0;
+  }
+  const BinMeans bins = explain(relative);
+  if (!(bins.total_sum > 0)) return shares;
+  const double variance = bins.total_sum / bins.weight;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (!(all[k] > 0)) continue;
+    const double predicted = bins(relative.ranks[k]);
+    shares[k] = static_cast<float>(predicted * (predicted - 2 * relative.values[k]) / variance);
+  }
+  return shares;
 }
 
 }  // namespace cloud_colorizer::alignment

@@ -26,18 +26,23 @@ Eigen::VectorXf intensityRanks(const Eigen::VectorXf& intensity);
 struct ViewEquations {
   Equations<6> equations;             ///< weights without robustness
   std::vector<std::uint32_t> blocks;  ///< block of the image that an observation lies in; local means are taken there
+  std::vector<std::uint8_t> right;    ///< whether in the right half of the image
 };
 
 struct IntensityTerm {
   std::vector<Eigen::Matrix<double, 6, 6>, Eigen::aligned_allocator<Eigen::Matrix<double, 6, 6>>>
       hessians;  ///< by view
   std::vector<Twist> gradients;
-  Eigen::MatrixXd group_gradients;  ///< rows as the gradients one below the other, a column a group; empty without
   double cost = 0;
   double explained = 0;  ///< share of the grey level's variance that the intensity explains, 0 to 1
 };
 
 IntensityTerm intensityTerm(const Tracks& tracks, const ViewEquations& samples, const Eigen::VectorXf& ranks,
-                            const Workers& workers, const PointGroups& groups = {});
+                            const Workers& workers);
+
+/// Of each observation, in the mean variance of all: its squared distance to what the bins of intensity predict, less
+/// its square; the mean is -R^2 of a prediction. Bins are learned with the weights `learn`. NaN where there is none.
+std::vector<float> unexplainedShares(const Tracks& tracks, const ViewEquations& seen, const Eigen::VectorXf& ranks,
+                                     const std::vector<float>& learn, const Workers& workers);
 
 }  // namespace cloud_colorizer::alignment

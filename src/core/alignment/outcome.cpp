@@ -7,19 +7,30 @@
 
 #include "alignment/aligner.hpp"
 #include "alignment/gains.hpp"
-#include "alignment/significance.hpp"
 #include "base/robust.hpp"
 #include "base/text.hpp"
 
 namespace cloud_colorizer::alignment {
 
-std::string refusal(double sigmas, float residual_before, float residual_after) {
+std::string describe(const Evidence& evidence) {
+  std::ostringstream text;
+  const Improvement &views = evidence.agreement.all, &tie = evidence.tie.all;
+  text << std::setprecision(3) << "in " << views.blocks << " blocks held-back points differ by " << views.without
+       << " grey levels without it, by " << views.with << " with it (+-" << views.error << ")";
+  if (tie.blocks > 0) {
+    text << ", the intensity explains " << -100 * tie.without << " and " << -100 * tie.with << " % (+-"
+         << 100 * tie.error << ")";
+  }
+  return text.str() + (evidence.isProven() ? "; kept" : "; left out");
+}
+
+std::string refusal(double sigmas, const Evidence& evidence) {
   constexpr double kMaxSigmas = 6;
   std::vector<std::string> reasons;
   if (sigmas > kMaxSigmas) {
     reasons.push_back("its correction would be " + formatFixed(sigmas, 1) + " times what the priors expect");
   }
-  if (residual_after > 1.05F * residual_before + 0.5F) reasons.push_back("it would agree worse than before");
+  if (!evidence.isProven()) reasons.push_back("held-back points do not agree better with its correction");
   return join(reasons, "; ");
 }
 
@@ -38,85 +49,115 @@ double Aligner::pixelsOf(std::size_t view, const PoseState& from) const {
   return median(std::move(shifts));
 }
 
-// Corrections that are no larger than their uncertainty are left out.
-void Aligner::shrink(const PoseData& data) {
-  const PoseShrinkage shrinkage = shrinkPoses(data, priors_, state_);
-  for (std::size_t c = 0; c < input_.cameras.size(); ++c) {
-    const Shrinkage &common = shrinkage.cameras[c], &views = shrinkage.views[c];
-    result_.cameras[c].uncertainty = common.uncertainty;
-    result_.cameras[c].views_uncertainty = views.uncertainty;
-    if (common.factor > 0 && views.factor > 0) continue;
-    std::ostringstream text;
-    text << std::setprecision(2) << "Alignment of camera_" << c << ": corrections no larger than their uncertainty are"
-         << " left out (";
-    if (common.factor == 0) text << "of the camera: " << common.pixels << " +- " << common.uncertainty << " px";
-    if (common.factor == 0 && views.factor == 0) text << ", ";
-    if (views.factor == 0) text << "of its views: " << views.pixels << " +- " << views.uncertainty << " px";
-    log(text.str() + ")");
-  }
+// Of a view, by its camera and its clock.
+Twist Aligner::expected(std::size_t view) const {
+  const std::uint32_t c = input_.views[view].camera;
+  return state_.cameras[c] + state_.time_offsets[c] * priors_.velocities[view];
 }
 
-PoseState Aligner::uncorrectedViews() const {
+PoseState Aligner::uncorrected() const {
   PoseState state = state_;
-  std::fill(state.views.begin(), state.views.end(), Twist::Zero());
+  for (auto* twists : {&state.views, &state.cameras}) std::fill(twists->begin(), twists->end(), Twist::Zero());
+  std::fill(state.time_offsets.begin(), state.time_offsets.end(), 0);
   return state;
 }
 
-// Median distance of each view's observations to their points' medians, and of all.
-std::vector<float> Aligner::residuals(const PoseState& state, std::vector<float>& by_view) const {
-  const BlurredImages images(input_, kFinestBlur);
-  const SightValues grey = greyValues(dataOf(images), state);
-  const std::vector<float> medians = pointMedians(tracks_, grey.values, grey.weights);
-  std::vector<float> all;
-  by_view.assign(tracks_.numViews(), 0);
-  for (std::size_t v = 0; v < tracks_.numViews(); ++v) {
-    std::vector<float> own;
-    for (std::uint32_t k = tracks_.offsets[v]; k < tracks_.offsets[v + 1]; ++k) {
-      const std::uint32_t p = tracks_.sights[k].point;
-      if (!(grey.weights[k] > 0) || tracks_.point_offsets[p + 1] - tracks_.point_offsets[p] < 2) continue;
-      own.push_back(std::abs(grey.values[k] - medians[p]));
-    }
-    all.insert(all.end(), own.begin(), own.end());
-    by_view[v] = median(std::move(own));
-  }
-  return all;
-}
-
-// A view that went too far, or that agrees worse than before, keeps what its camera tells.
-void Aligner::refuse() {
-  std::vector<float> first, last;
-  result_.residual_before = median(residuals(uncorrectedViews(), first));
-  result_.residual_after = median(residuals(state_, last));
+// What the views of a camera have in common is the camera's, however the priors would share it out.
+void Aligner::shareCommon(const Tracks& tracks) {
+  std::vector<Twist> sums(input_.cameras.size(), Twist::Zero());
+  std::vector<double> counts(sums.size(), 0);
   for (std::size_t v = 0; v < input_.views.size(); ++v) {
-    ViewAlignment& view = result_.views[v];
-    const std::uint32_t c = input_.views[v].camera;
-    const Twist expected = state_.cameras[c] + state_.time_offsets[c] * priors_.velocities[v];
-    const double sigmas = (state_.views[v] - expected).cwiseQuotient(priors_.view_sigmas[v]).cwiseAbs().maxCoeff();
-    view.residual_before = first[v];
-    view.residual_after = last[v];
-    view.reason = refusal(sigmas, first[v], last[v]);
-    if (view.reason.empty()) continue;
-    state_.views[v] = expected;
-    view.refused = true;
+    if (tracks.offsets[v] == tracks.offsets[v + 1]) continue;
+    sums[input_.views[v].camera] += state_.views[v] - expected(v);
+    ++counts[input_.views[v].camera];
   }
+  for (std::size_t c = 0; c < sums.size(); ++c) state_.cameras[c] += sums[c] / std::max(1.0, counts[c]);
 }
 
-void Aligner::warnAboutCamera(std::size_t c) {
-  const CameraAlignment& camera = result_.cameras[c];
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(3);
-  if (camera.time_offset_suspect) {
-    text << "camera_" << c << ": its images agree best at " << std::showpos << camera.time_offset << std::noshowpos
-         << " s";
-    text << (params_.align_time_offset ? " (corrected)." : "; set the camera's time offset, or align_time_offset.");
-  } else if (camera.rotation > 2 * params_.extrinsic_rotation_prior) {
-    text << "camera_" << c << ": its extrinsic calibration looks wrong by " << camera.rotation << " deg.";
+// Takes back what held-back points do not prove: first the views' own corrections, then those of clocks and cameras,
+// then all together.
+void Aligner::keepProven(const BlurredImages& images) {
+  std::vector<std::vector<Sight>> sights(sights_.size());
+  workers_.forEach(sights.size(), [&](std::size_t v) { sights[v] = seenInBoth(sights_[v], first_sights_[v]); });
+  const Tracks tracks = tracksOf(sights, max_points_, true);
+  shareCommon(tracks);
+  PoseData data = dataOf(images);
+  data.tracks = &tracks;
+  keepViews(data);
+  PoseState without = state_;
+  for (std::size_t v = 0; v < without.views.size(); ++v) without.views[v] -= expected(v) - state_.cameras[cameraOf(v)];
+  std::fill(without.time_offsets.begin(), without.time_offsets.end(), 0);
+  if (params_.align_time_offset) keepByCamera(data, "the clock", without, alignment::show(data, blocks_, without));
+  without = state_;
+  for (std::size_t v = 0; v < without.views.size(); ++v) without.views[v] -= state_.cameras[cameraOf(v)];
+  std::fill(without.cameras.begin(), without.cameras.end(), Twist::Zero());
+  keepByCamera(data, "the camera", without, alignment::show(data, blocks_, without));
+  judge(data);
+  suspectCalibration(data);
+}
+
+// A camera's part of the state becomes that of `without` where held-back points do not prove it; `before` is seen
+// there. Returns what is seen at the state as it was.
+Showing Aligner::keepByCamera(const PoseData& data, const std::string& what, const PoseState& without,
+                              const Showing& before) {
+  Showing after = alignment::show(data, blocks_, state_);
+  std::vector<Evidence> proof(input_.cameras.size());
+  workers_.forEach(proof.size(), [&](std::size_t c) {
+    const Choice choice = Choice::ofCamera(static_cast<std::uint32_t>(c), input_.views);
+    proof[c] = evidence(*data.tracks, blocks_, before, after, choice);
+  });
+  for (std::size_t c = 0; c < proof.size(); ++c) {
+    log("Alignment of camera_" + std::to_string(c) + ", correction of " + what + ": " + describe(proof[c]));
+    if (proof[c].isProven()) continue;
+    state_.cameras[c] = without.cameras[c];
+    state_.time_offsets[c] = without.time_offsets[c];
   }
-  if (!text.str().empty()) result_.warnings.push_back(text.str());
+  for (std::size_t v = 0; v < without.views.size(); ++v) {
+    if (!proof[cameraOf(v)].isProven()) state_.views[v] = without.views[v];
+  }
+  return after;
+}
+
+// Those of all views of a camera together, and then of each.
+void Aligner::keepViews(const PoseData& data) {
+  PoseState without = state_;
+  for (std::size_t v = 0; v < without.views.size(); ++v) without.views[v] = expected(v);
+  const Showing before = alignment::show(data, blocks_, without);
+  const Showing after = keepByCamera(data, "its views", without, before);
+  workers_.forEach(without.views.size(), [&](std::size_t v) {
+    if (state_.views[v] == without.views[v]) return;
+    const double sigmas =
+        (state_.views[v] - without.views[v]).cwiseQuotient(priors_.view_sigmas[v]).cwiseAbs().maxCoeff();
+    ViewAlignment& view = result_.views[v];
+    Evidence proof = evidence(*data.tracks, blocks_, before, after, Choice::ofView(v, without.views.size()));
+    proof.has_halves = false;  // that both halves gain by it is proven for all views together
+    view.reason = refusal(sigmas, proof);
+    view.refused = !view.reason.empty();
+    if (view.refused) state_.views[v] = without.views[v];
+  });
+}
+
+// All that is kept, against the poses as they came.
+void Aligner::judge(const PoseData& data) {
+  const std::size_t num_views = input_.views.size();
+  const Showing before = alignment::show(data, blocks_, uncorrected()), after = alignment::show(data, blocks_, state_);
+  Choice choice = Choice::ofAll(num_views);
+  const Evidence all = evidence(*data.tracks, blocks_, before, after, choice);
+  result_.residual_before = all.agreement.all.without;
+  result_.residual_after = all.agreement.all.with;
+  result_.residual_error = all.agreement.all.error;
+  result_.corrections_kept = all.isBetter();
+  if (!result_.corrections_kept) state_ = uncorrected();
+  workers_.forEach(num_views, [&](std::size_t v) {
+    const Improvement one =
+        evidence(*data.tracks, blocks_, before, after, {choice.without, {v}, Choice::kBoth}).agreement.all;
+    result_.views[v].residual_before = one.without;
+    result_.views[v].residual_after = result_.corrections_kept ? one.with : one.without;
+  });
 }
 
 void Aligner::report() {
-  const PoseState before = uncorrectedViews();
+  const PoseState before = uncorrected();
   std::vector<float> pixels;
   for (std::size_t v = 0; v < input_.views.size(); ++v) {
     ViewAlignment& view = result_.views[v];
@@ -132,7 +173,7 @@ void Aligner::report() {
     result_.cameras[c].rotation = state_.cameras[c].head<3>().norm() * 180 / M_PI;
     result_.cameras[c].translation = state_.cameras[c].tail<3>().norm();
     if (params_.align_time_offset) result_.cameras[c].time_offset = state_.time_offsets[c];
-    warnAboutCamera(c);
+    warnAboutCamera(static_cast<std::uint32_t>(c));
   }
 }
 

@@ -52,6 +52,7 @@ ViewEquations viewEquations(const PoseData& data, const PoseState& state) {
   const std::size_t count = tracks.numObservations();
   ViewEquations seen;
   seen.blocks.assign(count, 0);
+  seen.right.assign(count, 0);
   Equations<6>& equations =
       seen.equations = {std::vector<float>(count, 0), std::vector<float>(count, 0),
                         std::vector<Eigen::Matrix<float, 6, 1>>(count, Eigen::Matrix<float, 6, 1>::Zero())};
@@ -61,8 +62,8 @@ ViewEquations viewEquations(const PoseData& data, const PoseState& state) {
     const Eigen::Vector3d center = state.views[v].tail<3>();  // rotations turn about the uncorrected centre
     const auto gain = static_cast<float>(std::exp((*data.log_gains)[static_cast<Eigen::Index>(v)]));
     const Intrinsics& intrinsics = data.input->cameras[data.input->views[v].camera].intrinsics();
-    const double side = std::max(kBlockSigmas * data.sigma, intrinsics.width / kBlocksAcross);
-    CellCounter cells(intrinsics, data.sigma);
+    const double sigma = data.images->sigma(v), side = std::max(kBlockSigmas * sigma, intrinsics.width / kBlocksAcross);
+    CellCounter cells(intrinsics, sigma);
     const auto add = [&](std::size_t k, const Eigen::Vector3d& local, const auto& projected) {
       const GreySample grey = sampleGrey(*image, projected.pixel);
       if (!grey.valid) return;
@@ -74,9 +75,10 @@ ViewEquations viewEquations(const PoseData& data, const PoseState& state) {
       equations.weights[k] = tracks.sights[k].weight;
       equations.jacobians[k] = gain * jacobian;
       seen.blocks[k] = blockOf(projected.pixel, side, intrinsics.width);
+      seen.right[k] = projected.pixel.x() > 0.5 * intrinsics.width;
       cells.add(projected.pixel);
     };
-    forEachSight(*data.input, tracks, state, v, kEdgeMargin * data.sigma, add);
+    forEachSight(*data.input, tracks, state, v, kEdgeMargin * sigma, add);
     const float share = cells.share() * kNoiseShare;
     for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) equations.weights[k] *= share;
   });

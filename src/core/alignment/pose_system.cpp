@@ -42,14 +42,13 @@ float medianMagnitude(const std::vector<float>& residuals) {
 
 }  // namespace
 
-PoseEquations poseEquations(const PoseData& data, const PoseState& state, const PoseEquations& like,
-                            const PointGroups& groups) {
+PoseEquations poseEquations(const PoseData& data, const PoseState& state, const PoseEquations& like) {
   const Tracks& tracks = *data.tracks;
   const float scale = like.scale;
   const double weight = like.weight;
   PoseEquations result;
   ViewEquations seen = viewEquations(data, state);
-  if (data.ranks) result.intensity = intensityTerm(tracks, seen, *data.ranks, *data.workers, groups);
+  if (data.ranks) result.intensity = intensityTerm(tracks, seen, *data.ranks, *data.workers);
   Equations<6>& equations = result.equations = std::move(seen.equations);
   const std::vector<float> medians = pointMedians(tracks, equations.values, equations.weights);
   std::vector<float> residuals = residualsTo(tracks, equations, medians);

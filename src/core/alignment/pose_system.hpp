@@ -23,10 +23,8 @@ struct PoseEquations {
   IntensityTerm intensity;
 };
 
-/// `like`: equations whose scales are kept, so that the costs can be compared; a default one for none. `groups`:
-/// see IntensityTerm.
-PoseEquations poseEquations(const PoseData& data, const PoseState& state, const PoseEquations& like,
-                            const PointGroups& groups = {});
+/// `like`: equations whose scales are kept, so that the costs can be compared; a default one for none.
+PoseEquations poseEquations(const PoseData& data, const PoseState& state, const PoseEquations& like);
 
 /// Unknowns: the views' corrections, then the cameras' with their time offsets. Each prior is a square of a few of
 /// them:

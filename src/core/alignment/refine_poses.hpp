@@ -19,7 +19,6 @@ struct PoseData {
   const Tracks* tracks;
   const BlurredImages* images;
   const Eigen::VectorXd* log_gains;
-  double sigma;  ///< px, of the blur
   const Workers* workers;
   const Eigen::VectorXf* ranks = nullptr;  ///< of the points' intensities; null: no tie to them
 };

@@ -88,8 +88,11 @@ std::string describe(const AlignmentResult& result) {
        << result.seconds << " s: ";
   if (!result.poses_aligned && !result.exposure_aligned) text << "nothing was changed. ";
   if (result.poses_aligned) {
-    text << "poses moved by " << result.pixels << " px (median), the views of a point differ by "
-         << result.residual_before << " grey levels before and " << result.residual_after << " after. ";
+    text << "poses moved by " << result.pixels
+         << " px (median); each view, predicted from the others at held-back points, "
+         << "is off by " << result.residual_before << " grey levels with the given poses and by "
+         << result.residual_after << " with the corrected ones (+-" << result.residual_error << "): the "
+         << (result.corrections_kept ? "corrected" : "given") << " poses are used. ";
   }
   if (result.exposure_aligned) text << "Gains from " << low << " to " << high << ". ";
   if (refused > 0) text << refused << " views keep their pose (alignment/views.csv tells why). ";

@@ -108,7 +108,23 @@ std::vector<Sight> findSights(const AlignmentInput& input, const std::vector<Poi
   return sights;
 }
 
-Tracks makeTracks(const std::vector<std::vector<Sight>>& by_view, std::size_t num_points, std::size_t max_points) {
+std::vector<Sight> seenInBoth(const std::vector<Sight>& a, const std::vector<Sight>& b) {
+  std::vector<Sight> both;
+  for (auto i = a.begin(), j = b.begin(); i != a.end() && j != b.end();) {
+    if (i->point == j->point) {
+      both.push_back({i->point, i->weight, std::min(i->edge_distance, j->edge_distance)});
+      ++i, ++j;
+    } else if (i->point < j->point) {
+      ++i;
+    } else {
+      ++j;
+    }
+  }
+  return both;
+}
+
+Tracks makeTracks(const std::vector<std::vector<Sight>>& by_view, std::size_t num_points, std::size_t max_points,
+                  const std::function<bool(std::uint32_t)>& keep) {
   Tracks tracks;
   tracks.offsets.push_back(0);
   tracks.point_offsets.assign(num_points + 1, 0);
@@ -116,6 +132,8 @@ Tracks makeTracks(const std::vector<std::vector<Sight>>& by_view, std::size_t nu
   for (std::size_t v = 0; v < by_view.size(); ++v) {
     kept = by_view[v];
     keepByPriority(kept, max_points);
+    const auto leave = [&](const Sight& sight) { return keep && !keep(sight.point); };
+    kept.erase(std::remove_if(kept.begin(), kept.end(), leave), kept.end());
     tracks.sights.insert(tracks.sights.end(), kept.begin(), kept.end());
     tracks.views.insert(tracks.views.end(), kept.size(), static_cast<std::uint32_t>(v));
     tracks.offsets.push_back(static_cast<std::uint32_t>(tracks.sights.size()));

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "alignment/motion.hpp"
@@ -58,12 +59,12 @@ void forEachSight(const AlignmentInput& input, const Tracks& tracks, const PoseS
   }
 }
 
-/// A number for each point in [0, kPointGroups), the same within a block of the map: what is in different groups is
-/// independent. Empty: no groups.
-using PointGroups = std::vector<std::uint8_t>;
-constexpr int kPointGroups = 32;
+/// Of at most `max_points` of each view, chosen as in findSights, and of those only the points that `keep` tells;
+/// empty: all.
+Tracks makeTracks(const std::vector<std::vector<Sight>>& by_view, std::size_t num_points, std::size_t max_points,
+                  const std::function<bool(std::uint32_t)>& keep = {});
 
-/// Of at most `max_points` of each view, chosen as in findSights.
-Tracks makeTracks(const std::vector<std::vector<Sight>>& by_view, std::size_t num_points, std::size_t max_points);
+/// The points of both, with the smaller distance to an edge.
+std::vector<Sight> seenInBoth(const std::vector<Sight>& a, const std::vector<Sight>& b);
 
 }  // namespace cloud_colorizer::alignment

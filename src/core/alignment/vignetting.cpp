@@ -5,7 +5,6 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "alignment/significance.hpp"
 #include "base/robust.hpp"
 
 namespace cloud_colorizer::alignment {
@@ -14,8 +13,6 @@ namespace {
 constexpr int kSweeps = 10;             // of demeaning by view and by point
 constexpr int kRobustRounds = 3;        // of weights
 constexpr float kMinDeviation = 0.01F;  // of the brightness
-constexpr double kCommonError = 0.005;  // of the brightness: what images get wrong together
-constexpr double kBlockShare = 0.02;    // of the map's size: side of a block
 
 using Columns = Eigen::Matrix<float, Eigen::Dynamic, 3>;  // log brightness, r^2, r^4: a row an observation
 
@@ -71,38 +68,17 @@ Columns demeaned(const Tracks& tracks, const Problem& problem) {
   return columns;
 }
 
-// Coefficients that make the log brightness even, and what the blocks of the map disagree about them.
-struct Fit {
-  Eigen::Vector2d coefficients = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-  Eigen::Matrix2d moments = Eigen::Matrix2d::Zero();  // of r^2 and r^4 about their means, by observation
-};
-
-Fit regress(const Tracks& tracks, const Columns& columns, const std::vector<float>& weights,
-            const PointGroups& groups) {
-  Fit fit;
+// Coefficients that make the log brightness even.
+Eigen::Vector2d regress(const Columns& columns, const std::vector<float>& weights) {
   Eigen::Matrix2d normal = 1e-9 * Eigen::Matrix2d::Identity();
   Eigen::Vector2d right = Eigen::Vector2d::Zero();
-  double total = 0;
   for (Eigen::Index k = 0; k < columns.rows(); ++k) {
     const double w = weights[static_cast<std::size_t>(k)];
     const Eigen::Vector2d radii = columns.row(k).tail<2>().cast<double>();
     normal += w * radii * radii.transpose();
     right -= w * columns(k, 0) * radii;
-    total += w;
   }
-  fit.coefficients = normal.ldlt().solve(right);
-  fit.moments = normal / std::max(1e-9, total);
-  Eigen::Matrix<double, 2, kPointGroups> pulls = Eigen::Matrix<double, 2, kPointGroups>::Zero();
-  for (Eigen::Index k = 0; k < columns.rows(); ++k) {
-    const Eigen::Vector2d radii = columns.row(k).tail<2>().cast<double>();
-    const double residual = columns(k, 0) + radii.dot(fit.coefficients);
-    pulls.col(groups[tracks.sights[static_cast<std::size_t>(k)].point]) +=
-        weights[static_cast<std::size_t>(k)] * residual * radii;
-  }
-  const Eigen::Matrix2d inverse = normal.inverse();
-  fit.covariance = inverse * (pulls * pulls.transpose()) * inverse;
-  return fit;
+  return normal.ldlt().solve(right);
 }
 
 void reweigh(const Columns& columns, const Eigen::Vector2d& coefficients, const std::vector<float>& base,
@@ -124,21 +100,16 @@ std::vector<Eigen::Array2f> estimateVignetting(const AlignmentInput& input, cons
                                                const std::vector<float>& weights, const Workers& workers) {
   std::vector<Eigen::Array2f> result(input.cameras.size(), Eigen::Array2f::Zero());
   if (tracks.numObservations() == 0) return result;
-  const double size = (input.points.rowwise().maxCoeff() - input.points.rowwise().minCoeff()).maxCoeff();
-  const PointGroups groups = groupPoints(input, std::max(1e-9, kBlockShare * size));
   workers.forEach(result.size(), [&](std::size_t camera) {
     Problem problem = makeProblem(input, tracks, state, static_cast<std::uint32_t>(camera), values, weights);
     const std::vector<float> base = problem.weights;
-    Fit fit;
+    Eigen::Vector2d coefficients = Eigen::Vector2d::Zero();
     for (int round = 0; round < kRobustRounds; ++round) {
       const Columns columns = demeaned(tracks, problem);
-      fit = regress(tracks, columns, problem.weights, groups);
-      reweigh(columns, fit.coefficients, base, problem.weights);
+      coefficients = regress(columns, problem.weights);
+      reweigh(columns, coefficients, base, problem.weights);
     }
-    const double found = std::sqrt(fit.coefficients.dot(fit.moments * fit.coefficients));
-    const double uncertainty = std::sqrt((fit.moments * fit.covariance).trace());
-    const double factor = shrinkFactor(found, std::hypot(uncertainty, kCommonError));
-    result[camera] = (factor * fit.coefficients).cast<float>().array();
+    result[camera] = coefficients.cast<float>().array();
   });
   return result;
 }

@@ -11,8 +11,7 @@
 
 namespace cloud_colorizer::alignment {
 
-/// Coefficients (see Exposure::vignetting) of every camera; zero where the data do not ask for them: where the
-/// correction is no larger than its uncertainty, by the scatter of blocks of the map (significance.hpp).
+/// Coefficients (see Exposure::vignetting) of every camera.
 /// `values` [grey levels, > 0] and `weights` by observation; weight 0 has no vote. Gains of views and the points' own
 /// brightness are free: with columns demeaned by view and by point (the Frisch-Waugh-Lovell theorem) what remains is a
 /// regression of log brightness on r^2 and r^4.

@@ -14,7 +14,7 @@
 #include "alignment/aligner.hpp"
 #include "alignment/gains.hpp"
 #include "alignment/normal_equations.hpp"
-#include "alignment/significance.hpp"
+#include "alignment/proof.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "core/relief_scene.hpp"
 
@@ -57,46 +57,21 @@ TEST(Alignment, ExactDataAreUnharmed) {
   EXPECT_TRUE(result.warnings.empty());
 }
 
-TEST(Alignment, CorrectionsWithinTheirUncertaintyAreLeftOut) {
+TEST(Alignment, WithoutProofTheInputStaysExactlyAsItIs) {
   ReliefViews scene(8);
   scene.render(1);
   const AlignmentResult exact = align(scene.input(), {}, {});
   EXPECT_EQ(exact.pixels, 0);
-  EXPECT_GT(exact.cameras[0].uncertainty, 0);
-  scene.disturbPoses(0.4, 0.01, 1);
-  const AlignmentResult disturbed = align(scene.input(), looseParams(), {});
-  EXPECT_GT(disturbed.pixels, 5 * disturbed.cameras[0].views_uncertainty);
+  EXPECT_FALSE(exact.corrections_kept);
+  EXPECT_EQ(exact.residual_before, exact.residual_after);
   for (std::size_t v = 0; v < scene.poses.size(); ++v) {
-    EXPECT_TRUE(exact.views[v].map_from_camera.isApprox(scene.true_poses[v], 1e-12));
+    EXPECT_EQ(exact.views[v].map_from_camera.matrix(), scene.true_poses[v].matrix());
     EXPECT_TRUE((exact.views[v].exposure.gain == 1).all());
   }
-}
-
-TEST(AlignmentSignificance, FactorFallsToZeroNearTheUncertainty) {
-  using alignment::shrinkFactor;
-  EXPECT_EQ(shrinkFactor(0, 1), 0);
-  EXPECT_EQ(shrinkFactor(1.4, 1), 0);
-  EXPECT_GT(shrinkFactor(1.5, 1), 0);
-  EXPECT_EQ(shrinkFactor(3, 0), 1);
-  EXPECT_NEAR(shrinkFactor(10, 1), 0.9996, 1e-12);
-  EXPECT_GT(shrinkFactor(0.5, 20, 1), 0.99);  // stands out
-  EXPECT_EQ(shrinkFactor(0.5, 2, 1), 0);
-  EXPECT_EQ(shrinkFactor(10, 0.1, 1), shrinkFactor(10, 1));
-}
-
-TEST(AlignmentSignificance, PointsOfABlockShareAGroup) {
-  AlignmentInput input;
-  input.points = Points::Random(3, 5000);
-  const alignment::PointGroups groups = alignment::groupPoints(input, 0.1);
-  std::map<std::tuple<double, double, double>, int> of_block;
-  std::set<int> used;
-  for (Eigen::Index p = 0; p < input.points.cols(); ++p) {
-    const Eigen::Vector3d cell = (input.points.col(p).cast<double>() / 0.1).array().floor();
-    const int group = groups[static_cast<std::size_t>(p)];
-    EXPECT_EQ(of_block.emplace(std::tuple(cell[0], cell[1], cell[2]), group).first->second, group);
-    used.insert(group);
-  }
-  EXPECT_EQ(used.size(), static_cast<std::size_t>(alignment::kPointGroups));
+  scene.disturbPoses(0.4, 0.01, 1);
+  const AlignmentResult disturbed = align(scene.input(), looseParams(), {});
+  EXPECT_TRUE(disturbed.corrections_kept);
+  EXPECT_GT(disturbed.residual_before - disturbed.residual_after, 10 * disturbed.residual_error);
 }
 
 TEST(Alignment, MeanBrightnessStays) {
@@ -160,6 +135,22 @@ TEST(Alignment, SharedErrorOfACameraBecomesItsCorrection) {
   }
 }
 
+TEST(Alignment, CalibrationIsBlamedOnlyWhereItExplainsAllViews) {
+  ReliefViews scene(8);
+  const Eigen::Isometry3d error(Eigen::AngleAxisd(0.012, Eigen::Vector3d(0.6, 0.8, 0)));
+  for (std::size_t v = 0; v < scene.poses.size(); ++v) scene.poses[v] = scene.true_poses[v] * error;
+  scene.render(1);
+  const AlignmentResult of_camera = align(scene.input(), looseParams(), {});
+  ASSERT_EQ(of_camera.warnings.size(), 1U);
+  EXPECT_NE(of_camera.warnings[0].find("calibration looks wrong"), std::string::npos) << of_camera.warnings[0];
+  scene.poses = scene.true_poses;
+  scene.disturbPoses(0.8, 0.02, 1);
+  const AlignmentResult of_views = align(scene.input(), looseParams(), {});
+  EXPECT_LT(scene.meanError(of_views), 0.3 * scene.meanError(scene.poses));
+  ASSERT_EQ(of_views.warnings.size(), 1U);
+  EXPECT_NE(of_views.warnings[0].find("the poses or the map differ"), std::string::npos) << of_views.warnings[0];
+}
+
 // A drive over the relief: the images were taken `late` seconds after their stamps say.
 ReliefViews driveOver(double late) {
   ReliefViews scene(12);
@@ -210,7 +201,7 @@ TEST(Alignment, RightClockIsNotSuspected) {
 TEST(Alignment, IntensityHoldsTheCommonShift) {
   ReliefViews scene(8);
   // All views moved over the relief together: they still agree with each other nearly.
-  for (Eigen::Isometry3d& pose : scene.poses) pose.translation() += Eigen::Vector3d(0.012, -0.008, 0);
+  for (Eigen::Isometry3d& pose : scene.poses) pose.translation() += Eigen::Vector3d(0.024, -0.016, 0);
   scene.render(2);
   AlignmentInput input = scene.input();
   input.intensity = intensityOf(scene, input.points);
@@ -402,10 +393,13 @@ TEST(Alignment, AsksBeforeEachImageAndEachSamplingOfAViewWhetherToGoOn) {
 
 TEST(Alignment, ReasonsOfARefusalAreSeparated) {
   using alignment::refusal;
-  EXPECT_EQ(refusal(1, 5, 5), "");
-  EXPECT_EQ(refusal(1, 5, 9), "it would agree worse than before");
-  EXPECT_EQ(refusal(7.25, 5, 9),
-            "its correction would be 7.2 times what the priors expect; it would agree worse than before");
+  alignment::Evidence proven;
+  proven.agreement.all = {9, 5, 1, 20};
+  EXPECT_EQ(refusal(1, proven), "");
+  EXPECT_EQ(refusal(1, {}), "held-back points do not agree better with its correction");
+  EXPECT_EQ(refusal(7.25, {}),
+            "its correction would be 7.2 times what the priors expect; held-back points do not agree better with its "
+            "correction");
 }
 
 TEST(AlignmentEquations, WhatCannotBeSolvedHasNoSolution) {
