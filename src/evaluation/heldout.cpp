@@ -104,7 +104,7 @@ class Heldout {
   std::shared_ptr<const EmptySpace> emptyAt(const View& view) const {
     if (params_.params.record.scan_resolution == 0) return nullptr;
     return emptySpaceAt(recording_, scan_times_, view.stamp, view.map_from_camera, [&](std::size_t scan) {
-      return std::make_shared<const cv::Mat1w>(emptyRanges(recording_.readScan(scan)));
+      return std::make_shared<const ScanRanges>(scanRanges(recording_.readScan(scan)));
     });
   }
 

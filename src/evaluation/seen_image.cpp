@@ -35,7 +35,8 @@ SeenImage HeldoutView::at(PointsRef points, const Surfels& surfels, const Params
     if (!pixel || pixel->x() < border || pixel->y() < border || pixel->x() > right || pixel->y() > bottom) continue;
     if (!mask.empty() && mask.at<std::uint8_t>(cv::Point(cvRound(pixel->x()), cvRound(pixel->y()))) == 0) continue;
     const Eigen::Vector3f normal = camera_from_map.linear() * surfels.normals.col(p);
-    if (depth.test(*pixel, local, normal, surfels.radii[p], params.depth) != Visibility::kVisible) continue;
+    if (depth.test(*pixel, local, normal, surfels.radii[p], params.depth, surfels.thickness(p)) != Visibility::kVisible)
+      continue;
     const Eigen::Vector3f value = valueAt(image, *pixel);
     if (value.maxCoeff() >= kSaturated) continue;  // what is brighter than the image holds tells no colour
     seen.points.push_back(p);

@@ -5,11 +5,12 @@
 #pragma once
 
 #include "cloud_colorizer/base/types.hpp"
+#include "cloud_colorizer/surface/zorder.hpp"
 
 namespace cloud_colorizer {
 
 struct SurfelParams {
-  int num_neighbors = 16;  ///< points in the neighbourhood that gives normal and radius, itself included; 4 to 100
+  int num_neighbors = 16;  ///< points that a neighbourhood must have to give normal and radius; 4 to 100
 
   void check() const;
 };
@@ -21,15 +22,25 @@ struct Surfels {
   /// m along the normal from the point to the surface through its neighbours: a scanned wall is a slab some
   /// centimetres thick, and its points would hide one another. Empty counts as zeros.
   Eigen::VectorXf offsets;
+  /// m, standard deviation of the neighbours about that surface: half of how thick the slab is, where the range noise,
+  /// the drift of the poses or leaves made it so. Empty counts as zeros.
+  Eigen::VectorXf thicknesses{};
 
   /// The point moved onto the surface.
   Eigen::Vector3f onSurface(Eigen::Index i, const Eigen::Vector3f& point) const {
     return offsets.size() == 0 ? point : Eigen::Vector3f(point + offsets[i] * normals.col(i));
   }
+  float thickness(Eigen::Index i) const { return thicknesses.size() == 0 ? 0.0F : thicknesses[i]; }
 };
 
-/// Normals, radii and offsets from the nearest neighbours, in the frame of `points` (3 x n, m). O(n log n). Never NaN,
-/// for any finite input (duplicates included). Throws std::invalid_argument for a point that is not finite.
+/// Surfels of all points, in their frame (3 x n, m). O(n log n). Never NaN, for any finite input; a position given
+/// many times counts once. Throws std::invalid_argument for a point that is not finite.
 Surfels estimateSurfels(PointsRef points, const SurfelParams& params);
+
+/// A piece of a map: surfels of the first `num_own` points; the others lie around them. Cells of 2^k grid cells are
+/// looked at, up to 2^max_level, each with those that touch it. So a surfel does not depend on how the map is cut when
+/// pieces lie on one grid and have all points within a largest cell around their own. The grid must hold all points.
+Surfels estimateSurfels(PointsRef points, Eigen::Index num_own, const ZOrderGrid& grid, int max_level,
+                        const SurfelParams& params);
 
 }  // namespace cloud_colorizer

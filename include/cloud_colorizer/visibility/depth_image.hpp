@@ -39,9 +39,10 @@ struct DepthImage {
   float pixel_angle = 1e-3F;                      ///< rad that a pixel spans, about
   std::shared_ptr<const EmptySpace> empty_space;  ///< points in it do not hide others, nor are they seen; may be null
 
-  /// Of a point at pixel (u, v); point [m] and surfel normal (or zero) in the camera's frame, surfel radius [m].
+  /// Of a point at pixel (u, v); point [m] and surfel normal (or zero) in the camera's frame, surfel radius and
+  /// thickness [m].
   Visibility test(const Eigen::Vector2f& pixel, const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
-                  float radius, const DepthParams& params) const;
+                  float radius, const DepthParams& params, float thickness = 0) const;
 
  private:
   float slope(int row, int col) const;

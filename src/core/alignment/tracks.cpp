@@ -76,7 +76,8 @@ class Finder {
     const Eigen::Vector3f normal = camera_from_map_.linear() * input_.surfels.normals.col(p);
     sight.weight = incidence(normal, local);
     if (sight.weight < kGrazing) return false;
-    const auto visibility = depth_.test(*pixel, local, normal, input_.surfels.radii[p], input_.depth_params);
+    const auto visibility =
+        depth_.test(*pixel, local, normal, input_.surfels.radii[p], input_.depth_params, input_.surfels.thickness(p));
     if (visibility != Visibility::kVisible) return false;
     const auto cellOf = [&](float at, int count) {
       return std::clamp(static_cast<int>((at + 0.5F) / depth_.cell_size), 0, count - 1);

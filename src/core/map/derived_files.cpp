@@ -19,8 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kViews = "/views.bin";
-/// Bytes of a point's normal, radius and offset; of its colour, count, deviation and reason.
-constexpr std::size_t kSurfelBytes = 5 * sizeof(float), kColorBytes = 4 * sizeof(float) + sizeof(std::uint16_t) + 1;
+/// Bytes of a point's normal, radius, offset and thickness; of its colour, count, deviation and reason.
+constexpr std::size_t kSurfelBytes = 6 * sizeof(float), kColorBytes = 4 * sizeof(float) + sizeof(std::uint16_t) + 1;
 
 using Checksum = std::uint32_t;
 
@@ -150,16 +150,20 @@ void DerivedFiles::writeSurfels(std::size_t tile, const Surfels& surfels) const 
   blob.add(surfels.normals);
   blob.add(surfels.radii);
   blob.add(surfels.offsets);
+  blob.add(surfels.thicknesses.size() == 0 ? Eigen::VectorXf(Eigen::VectorXf::Zero(surfels.radii.size()))
+                                           : surfels.thicknesses);
   blob.save(tileFile(kSurfelsFolder, tile));
 }
 
 Surfels DerivedFiles::readSurfels(std::size_t tile) const {
   const auto num_points = static_cast<Eigen::Index>(recording_.tiles()[tile].num_points);
-  Surfels surfels{Eigen::Matrix3Xf(3, num_points), Eigen::VectorXf(num_points), Eigen::VectorXf(num_points)};
+  Surfels surfels{Eigen::Matrix3Xf(3, num_points), Eigen::VectorXf(num_points), Eigen::VectorXf(num_points),
+                  Eigen::VectorXf(num_points)};
   BlobReader blob(tileFile(kSurfelsFolder, tile));
   blob.read(surfels.normals);
   blob.read(surfels.radii);
   blob.read(surfels.offsets);
+  blob.read(surfels.thicknesses);
   return surfels;
 }
 

@@ -1,14 +1,80 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "map/fingerprint.hpp"
+#include "map/lru_cache.hpp"
+#include "map/memory_plan.hpp"
 #include "map/stages.hpp"
 
 namespace cloud_colorizer {
 namespace {
+
+/// The largest cells that surfels come from are this part of a tile, and twice as much of the tiles beside it is
+/// needed: a neighbourhood, and what is around it.
+constexpr int kCellsPerTile = 16;
+
+/// The points of tiles, those used last kept.
+class TilePoints {
+ public:
+  TilePoints(const Recording& recording, double memory_limit)
+      : recording_(recording),
+        points_(
+            MemoryPlan(memory_limit).surfaces(), [this](std::size_t tile) { return recording_.readPoints(tile); },
+            [](const Points& points) { return static_cast<std::size_t>(points.size()) * sizeof(float); }) {}
+
+  /// Those of a tile first, then those of the tiles beside it that lie within `margin` [m].
+  Points around(std::size_t tile, float margin) {
+    const auto own = points_.get(tile);
+    Eigen::AlignedBox3f box = recording_.tileBox(tile);
+    box.min().array() -= margin, box.max().array() += margin;
+    std::vector<Eigen::Vector3f> beside;
+    for (const std::size_t other : neighborsOf(tile)) {
+      const auto points = points_.get(other);
+      for (Eigen::Index i = 0; i < points->cols(); ++i) {
+        if (box.contains(points->col(i))) beside.emplace_back(points->col(i));
+      }
+    }
+    Points all(3, own->cols() + static_cast<Eigen::Index>(beside.size()));
+    all.leftCols(own->cols()) = *own;
+    for (std::size_t i = 0; i < beside.size(); ++i) all.col(own->cols() + static_cast<Eigen::Index>(i)) = beside[i];
+    return all;
+  }
+
+ private:
+  std::vector<std::size_t> neighborsOf(std::size_t tile) const {
+    const std::vector<Tile>& tiles = recording_.tiles();
+    std::vector<std::size_t> neighbors;
+    for (int k = 0; k < 27; ++k) {
+      TileIndex index = tiles[tile].index;
+      index[0] += k % 3 - 1, index[1] += k / 3 % 3 - 1, index[2] += k / 9 - 1;
+      const auto at = std::lower_bound(tiles.begin(), tiles.end(), index,
+                                       [](const Tile& a, const TileIndex& wanted) { return a.index < wanted; });
+      if (k != 13 && at != tiles.end() && at->index == index) {
+        neighbors.push_back(static_cast<std::size_t>(at - tiles.begin()));
+      }
+    }
+    return neighbors;
+  }
+
+  const Recording& recording_;
+  LruCache<Points> points_;
+};
+
+/// Of a tile, as it lies in the map. All tiles have the same cells.
+Surfels surfelsOfTile(const Recording& recording, std::size_t tile, TilePoints& source, const SurfelParams& params) {
+  constexpr int kBits = kZOrderBits - 1;  // of a tile; the grid reaches half a tile beyond it
+  const auto side = static_cast<float>(recording.tileSize());
+  const ZOrderGrid grid{recording.tileBox(tile).min().array() - side / 2, std::ldexp(side, -kBits)};
+  const auto num_own = static_cast<Eigen::Index>(recording.tiles()[tile].num_points);
+  static_assert((kCellsPerTile & (kCellsPerTile - 1)) == 0, "a cell does not cross the border of a tile");
+  return estimateSurfels(source.around(tile, 2 * side / kCellsPerTile), num_own, grid,
+                         kBits - static_cast<int>(std::log2(kCellsPerTile)), params);
+}
 
 /// A van that drove ahead left a trail of points that hides the street. Where a camera has been, nothing stays: points
 /// there are of something that moved, and hide nothing.
@@ -32,12 +98,12 @@ void makeSurfels(Workspace& work, const Callbacks& callbacks) {
   const DerivedFiles& files = work.files();
   files.claim(kSurfelsFolder, surfelsKey(recording, work.params()));
   ProgressMeter progress(callbacks, "surfels", recording.numPoints());
+  TilePoints source(recording, work.params().colorize.memory_limit);
   parallelFor(work.params().colorize.num_threads, recording.tiles().size(), [&](std::size_t tile) {
     const bool todo = !files.hasSurfels(tile);
     if (todo) {
-      const Points points = recording.readPoints(tile);
-      Surfels surfels = estimateSurfels(points, work.params().surfels);
-      clearPath(recording, tile, work.params().depth.clear_radius, points, surfels);
+      Surfels surfels = surfelsOfTile(recording, tile, source, work.params().surfels);
+      clearPath(recording, tile, work.params().depth.clear_radius, recording.readPoints(tile), surfels);
       files.writeSurfels(tile, surfels);
     }
     progress.add(recording.tiles()[tile].num_points, todo);

@@ -13,7 +13,7 @@ namespace {
 
 std::size_t bytesOf(const Surface& s) {
   return sizeof(float) *
-         static_cast<std::size_t>(s.points.size() + s.surfels.normals.size() + 2 * s.surfels.radii.size());
+         static_cast<std::size_t>(s.points.size() + s.surfels.normals.size() + 3 * s.surfels.radii.size());
 }
 std::size_t bytesOf(const cv::Mat& image) {
   return image.total() * image.elemSize();
@@ -31,8 +31,8 @@ Workspace::Workspace(const Recording& recording, const Params& params)
       scan_times_(recording.scans()),
       scans_(
           MemoryPlan(params.colorize.memory_limit).scans(),
-          [this](std::size_t scan) { return emptyRanges(recording_.readScan(scan)); },
-          [](const cv::Mat1w& ranges) { return bytesOf(ranges); }),
+          [this](std::size_t scan) { return scanRanges(recording_.readScan(scan)); },
+          [](const ScanRanges& ranges) { return bytesOf(ranges.measured) + bytesOf(ranges.empty); }),
       surfaces_(
           MemoryPlan(params.colorize.memory_limit).surfaces(),
           [this](std::size_t tile) {

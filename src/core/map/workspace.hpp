@@ -66,7 +66,7 @@ class Workspace {
   std::vector<CorrectedView> corrections_;  ///< one a view
   std::vector<ViewCone> cones_;             ///< one a view
   ScanTimes scan_times_;
-  LruCache<cv::Mat1w> scans_;  ///< of emptyRanges()
+  LruCache<ScanRanges> scans_;
   LruCache<Surface> surfaces_;
   LruCache<cv::Mat> images_;
   LruCache<DepthImage> depths_;

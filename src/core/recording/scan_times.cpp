@@ -29,11 +29,13 @@ std::vector<std::size_t> ScanTimes::around(double stamp) const {
 
 std::shared_ptr<const EmptySpace> emptySpaceAt(
     const Recording& recording, const ScanTimes& times, double stamp, const Eigen::Isometry3d& map_from_camera,
-    const std::function<std::shared_ptr<const cv::Mat1w>(std::size_t)>& ranges) {
+    const std::function<std::shared_ptr<const ScanRanges>(std::size_t)>& ranges) {
   EmptySpace space;
   for (const std::size_t scan : times.around(stamp)) {
     const Eigen::Isometry3d sensor_from_camera = recording.scans()[scan].map_from_sensor.inverse() * map_from_camera;
-    space.add(ranges(scan), sensor_from_camera.cast<float>());
+    const std::shared_ptr<const ScanRanges> found = ranges(scan);
+    using Image = std::shared_ptr<const cv::Mat1w>;
+    space.add(Image(found, &found->empty), sensor_from_camera.cast<float>(), Image(found, &found->measured));
   }
   return space.knowsNothing() ? nullptr : std::make_shared<const EmptySpace>(std::move(space));
 }

@@ -25,10 +25,9 @@ class ScanTimes {
   std::vector<std::pair<double, std::size_t>> times_;  ///< ascending
 };
 
-/// What the scans around a moment tell a camera at a pose; null where there are none. `ranges`: emptyRanges() of a
-/// scan.
+/// What the scans around a moment tell a camera at a pose; null where there are none. `ranges`: scanRanges() of a scan.
 std::shared_ptr<const EmptySpace> emptySpaceAt(
     const Recording& recording, const ScanTimes& times, double stamp, const Eigen::Isometry3d& map_from_camera,
-    const std::function<std::shared_ptr<const cv::Mat1w>(std::size_t scan)>& ranges);
+    const std::function<std::shared_ptr<const ScanRanges>(std::size_t scan)>& ranges);
 
 }  // namespace cloud_colorizer

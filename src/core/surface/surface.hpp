@@ -22,19 +22,21 @@ struct Surface {
 inline Surface gatherSurface(const Surface& from, const std::vector<Eigen::Index>& columns) {
   return {gatherColumns(from.points, columns),
           {gatherColumns(from.surfels.normals, columns), gatherColumns(from.surfels.radii, columns),
-           gatherColumns(from.surfels.offsets, columns)}};
+           gatherColumns(from.surfels.offsets, columns), gatherColumns(from.surfels.thicknesses, columns)}};
 }
 
 inline Surface concatenate(const std::vector<Surface>& parts) {
   Eigen::Index total = 0;
   for (const Surface& part : parts) total += part.size();
-  Surface all{Points(3, total), {Eigen::Matrix3Xf(3, total), Eigen::VectorXf(total), Eigen::VectorXf(total)}};
+  Surface all{Points(3, total),
+              {Eigen::Matrix3Xf(3, total), Eigen::VectorXf(total), Eigen::VectorXf(total), Eigen::VectorXf(total)}};
   Eigen::Index next = 0;
   for (const Surface& part : parts) {
     all.points.middleCols(next, part.size()) = part.points;
     all.surfels.normals.middleCols(next, part.size()) = part.surfels.normals;
     all.surfels.radii.segment(next, part.size()) = part.surfels.radii;
     all.surfels.offsets.segment(next, part.size()) = part.surfels.offsets;
+    all.surfels.thicknesses.segment(next, part.size()) = part.surfels.thicknesses;
     next += part.size();
   }
   return all;

@@ -2,156 +2,233 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_colorizer/surface/surfels.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "cloud_colorizer/base/check.hpp"
-#include "cloud_colorizer/surface/zorder.hpp"
-#include "surface/kdtree.hpp"
+#include "surface/cell_patches.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
-/// A neighbourhood is a plane when its variances a <= b <= c obey a < kFlat b and b > kLine c. A slab of noisy points
-/// is far from flat at the scale of their spacing, hence the mild bound.
-constexpr float kFlat = 0.35F;
-constexpr float kLine = 0.04F;
-/// Disc radius over the radius that holds k points. Points of spacing s have k = pi d^2 / s^2 of them within d, and
-/// on a square grid discs of 0.71 s close the surface: d * 0.71 * sqrt(pi / k), and half as much again for
-/// irregularity.
-constexpr float kClosing = 1.05F * 1.7724539F;
+using Eigen::Index;
 
-/// Near points in a row keep the search in the caches.
-std::vector<std::uint32_t> coarseOrder(PointsRef points) {
-  return zorderSort(zorderKeys(points, gridOf(points, 10)), 0);
+constexpr float kFlat = 0.05F;         // ratio of variances below which a neighbourhood is a surface at its scale
+constexpr float kFlatEnough = 0.35F;   // the same where no scale has a flat one
+constexpr int kMaxGrowth = 4;          // levels above the first with enough points
+constexpr float kDeviations = 3;       // of the thickness: farther from the surface a point is not part of it,
+constexpr float kOwnShare = 0.5F;      // with this share of a cell added where it is the surface of its cell,
+constexpr float kBesideShare = 0.1F;   // and this where it lies beside
+constexpr float kFill = 0.4F;          // of the density at the first level: less of it is no slab but structure
+constexpr float kLineWidth = 1.5F;     // of a line's own width, which a surface across lines may be thick
+constexpr float kLineShare = 0.05F;    // of a cell, besides
+constexpr float kThinShare = 0.5F;     // of the points around: where so many are flat at a finer level, the map is thin
+constexpr float kClosing = 1.1F;       // spacings: discs of 0.71 close a square grid; half as much again if irregular
+constexpr float kAcrossLines = 0.75F;  // of a cell: reaches from scan line to scan line
+constexpr float kSparse = 3;           // lines are sparser across than the mean spacing by at most this factor
+constexpr float kBall = 0.4F;          // of a cell, where there is no surface
+
+Surfels noSurfels(Index n) {
+  return {Eigen::Matrix3Xf::Zero(3, n), Eigen::VectorXf::Zero(n), Eigen::VectorXf::Zero(n), Eigen::VectorXf::Zero(n)};
 }
 
-/// Count, sum and sum of squares of points about a centre.
-struct Moments {
-  float count = 0;
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
-
-  void add(const Eigen::Vector3f& d) {
-    count += 1;
-    sum += d;
-    squares.noalias() += d * d.transpose();
-  }
-  /// Those of another centre, which lies at `d` from this one.
-  void add(const Moments& other, const Eigen::Vector3f& d) {
-    count += other.count;
-    sum += other.sum + other.count * d;
-    const Eigen::Matrix3f cross = other.sum * d.transpose();
-    squares += other.squares + cross + cross.transpose() + other.count * d * d.transpose();
-  }
+/// Each position once, in Z-order.
+struct Distinct {
+  Points points;
+  std::vector<std::uint64_t> keys;
+  std::vector<std::uint32_t> of_point;  ///< column of each input point
 };
 
-struct Plane {
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
-  float offset = 0;
-  bool line = false;
-};
-
-Plane planeOf(const Moments& moments) {
-  Plane plane;
-  const Eigen::Vector3f mean = moments.sum / moments.count;
-  const Eigen::Matrix3f covariance = moments.squares / moments.count - mean * mean.transpose();
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
-  solver.computeDirect(covariance);
-  const Eigen::Vector3f variance = solver.eigenvalues();
-  if (!(variance[2] > 0)) return plane;  // all the same point
-  plane.line = !(variance[1] > kLine * variance[2]);
-  const Eigen::Vector3f normal = solver.eigenvectors().col(0);
-  const bool unit = std::abs(normal.squaredNorm() - 1) < 1e-3F;
-  if (plane.line || !unit || !(variance[0] < kFlat * variance[1])) return plane;
-  plane.normal = normal;
-  plane.offset = normal.dot(mean);
-  return plane;
+Distinct distinctPoints(PointsRef points, const ZOrderGrid& grid) {
+  const std::vector<std::uint64_t> keys = zorderKeys(points, grid);
+  Distinct distinct{Points(3, points.cols()), {}, std::vector<std::uint32_t>(keys.size())};
+  distinct.keys.reserve(keys.size());
+  for (const std::uint32_t i : zorderSort(keys, 0)) {
+    if (distinct.keys.empty() || distinct.keys.back() != keys[i]) {
+      distinct.points.col(static_cast<Index>(distinct.keys.size())) = points.col(i);
+      distinct.keys.push_back(keys[i]);
+    }
+    distinct.of_point[i] = static_cast<std::uint32_t>(distinct.keys.size() - 1);
+  }
+  distinct.points.conservativeResize(3, static_cast<Index>(distinct.keys.size()));
+  return distinct;
 }
 
-/// The neighbourhoods of all points: k columns of indices, and the distances that radii are made of.
+/// The level at which some cell first holds `count` points; at most `max_level`.
+int firstLevel(const std::vector<std::uint64_t>& keys, std::size_t count, int max_level) {
+  int level = max_level;
+  for (std::size_t i = count - 1; i < keys.size(); ++i) {
+    const std::uint64_t differing = keys[i] ^ keys[i + 1 - count];
+    level = std::min(level, differing == 0 ? 0 : (63 - __builtin_clzll(differing)) / 3 + 1);
+  }
+  return level;
+}
+
+/// Goes through the levels from fine to coarse, until every point has its surfel. A neighbourhood grows only where the
+/// points fill a slab that is thicker than they are apart; where they are an edge, a pole or leaves, a larger one would
+/// flatten what is really there.
 class Estimator {
  public:
-  Estimator(const Points& points, std::size_t k)
-      : points_(points), tree_(points_), k_(std::min(k, static_cast<std::size_t>(points.cols()))) {
-    const auto n = static_cast<std::size_t>(points.cols());
-    moments_.resize(n);
-    neighbors_.resize(n * k_);
-    squared_.resize(k_);
-    spans_.resize(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      std::uint32_t* const near = neighbors_.data() + i * k_;
-      tree_.nearest(at(i), k_, near, squared_.data());
-      for (std::size_t j = 0; j < k_; ++j) moments_[i].add(at(near[j]) - at(i));
-      spans_[i] = {std::sqrt(squared_[k_ / 3]), std::sqrt(squared_[k_ / 2]), std::sqrt(squared_[k_ - 1])};
+  Estimator(const Distinct& distinct, const ZOrderGrid& grid, int max_level, const SurfelParams& params)
+      : points_(distinct.points),
+        grid_(grid),
+        max_level_(max_level),
+        min_count_(static_cast<std::uint32_t>(params.num_neighbors)),
+        states_(distinct.keys.size()),
+        surfels_(noSurfels(distinct.points.cols())) {
+    // A cell and those around it have enough points only where some cell twice as large has half of them.
+    const int first = firstLevel(distinct.keys, min_count_ / 2, max_level);
+    CellLevel level(points_, distinct.keys, grid, std::max(0, first - 1));
+    while (true) {
+      estimate(level);
+      if (level.level() >= max_level) return;
+      level = level.parents();
     }
   }
 
-  /// Of point i, into its column of `out`.
-  void estimate(std::size_t i, Surfels& out) {
-    // The neighbours' neighbours as well: noise of the normal falls with the square of the neighbourhood.
-    Moments moments;
-    const std::uint32_t* const near = neighbors_.data() + i * k_;
-    for (std::size_t j = 0; j < k_; ++j) moments.add(moments_[near[j]], at(near[j]) - at(i));
-    Plane plane = planeOf(moments);
-    const auto [third, half, whole] = spans_[i];
-    // A far outlier among near points must not blow the disc up: the half of the neighbours bounds it too.
-    float radius = kClosing / std::sqrt(static_cast<float>(k_)) * std::min(whole, 1.8F * half);
-    if (plane.line) plane = planeAcrossLines(i, radius);
-    if (plane.normal.isZero()) radius = 0.5F * third;  // not a plane: a small ball
-    const auto column = static_cast<Eigen::Index>(i);
-    out.normals.col(column) = plane.normal;
-    out.radii[column] = radius;
-    out.offsets[column] = std::min(radius, std::max(-radius, plane.offset));
-  }
-
-  /// What a plane through the neighbours of a curved surface lies too deep by, m along the normal of point i: the mean
-  /// of the neighbours' own offsets, as far as their scatter lets it be told. On a slab of noisy points it is nothing.
-  float curvatureOffset(std::size_t i, const Surfels& planes) const {
-    constexpr float kScatter = 0.25F;  // of the variance: more than noise of a mean over the neighbours' neighbours has
-    const Eigen::Vector3f normal = planes.normals.col(static_cast<Eigen::Index>(i));
-    const std::uint32_t* const near = neighbors_.data() + i * k_;
-    float sum = 0, squares = 0, weight = 0;
-    for (std::size_t j = 0; j < k_; ++j) {
-      const float cosine = normal.dot(planes.normals.col(near[j])), offset = planes.offsets[near[j]];
-      sum += cosine * std::abs(cosine) * offset;  // an edge's other side counts little
-      squares += cosine * cosine * offset * offset;
-      weight += cosine * cosine;
-    }
-    if (sum == 0) return 0;
-    const float mean = sum / weight, variance = squares / weight - mean * mean;
-    return mean * std::max(0.0F, 1 - kScatter * variance / (mean * mean));
-  }
+  const Surfels& surfels() const { return surfels_; }
 
  private:
-  Eigen::Vector3f at(std::size_t i) const { return points_.col(static_cast<Eigen::Index>(i)); }
+  struct State {
+    bool open = true;
+    std::int8_t first = -1;     ///< level with enough points
+    float ratio = kFlatEnough;  ///< of the best patch so far
+    float density = 0;          ///< at the first level, points a cubic cell of the grid
+    float line_width = -1;      ///< at the first level where it is a line, m; else negative
+  };
+  /// What is known of the points of a cell from finer levels.
+  struct Settled {
+    float count = 0, variance = 0;
+  };
 
-  /// Perhaps one scan line of a surface: with more neighbours the next line takes part. Lines are dense along and
-  /// sparse across, so the radius has to reach to the next line.
-  Plane planeAcrossLines(std::size_t i, float& radius) {
-    const std::size_t many = std::min(4 * k_, static_cast<std::size_t>(points_.cols()));
-    wide_.resize(many);
-    squared_.resize(many);
-    tree_.nearest(at(i), many, wide_.data(), squared_.data());
-    Moments moments;
-    for (const std::uint32_t j : wide_) moments.add(at(j) - at(i));
-    Plane plane = planeOf(moments);
-    if (!plane.normal.isZero()) radius = std::max(radius, 0.5F * std::sqrt(squared_.back()));
-    return plane;
+  void estimate(const CellLevel& level) {
+    CellPatches patches(level, static_cast<float>(min_count_));
+    CellNeighbors neighbors(level);
+    const std::vector<Settled> settled = settledIn(level);
+    for (std::size_t cell = 0; cell < level.size(); ++cell) {
+      if (!isOpen(level, cell)) continue;
+      neighbors.moveTo(cell);
+      if (isThin(level, neighbors, settled)) closeThin(level, cell, neighbors, settled);
+      takeAll(level, cell, neighbors, patches);
+    }
   }
 
-  struct Spans {
-    float third, half, whole;  // m to the neighbours of these ranks
-  };
+  std::vector<Settled> settledIn(const CellLevel& level) const {
+    std::vector<Settled> settled(level.size());
+    for (std::size_t cell = 0; cell < level.size(); ++cell) {
+      for (std::uint32_t i = level.begin(cell); i < level.end(cell); ++i) {
+        if (!(states_[i].ratio < kFlat)) continue;
+        settled[cell].count += 1;
+        settled[cell].variance += surfels_.thicknesses[i] * surfels_.thicknesses[i];
+      }
+    }
+    return settled;
+  }
+
+  bool isOpen(const CellLevel& level, std::size_t cell) const {
+    const auto open = [](const State& state) { return state.open; };
+    return std::any_of(states_.begin() + level.begin(cell), states_.begin() + level.end(cell), open);
+  }
+
+  static bool isThin(const CellLevel& level, const CellNeighbors& neighbors, const std::vector<Settled>& settled) {
+    float flat = 0, all = 0;
+    for (const auto& neighbor : neighbors) {
+      flat += settled[neighbor.cell].count;
+      all += level.moments(neighbor.cell).count;
+    }
+    return flat > kThinShare * all;
+  }
+
+  /// Where the map is thin, what is not flat is structure: it keeps the best patch so far, if it is near enough, and is
+  /// not thicker than the map is around.
+  void closeThin(const CellLevel& level, std::size_t cell, const CellNeighbors& neighbors,
+                 const std::vector<Settled>& settled) {
+    Settled all;
+    for (const auto& neighbor : neighbors) {
+      all.count += settled[neighbor.cell].count;
+      all.variance += settled[neighbor.cell].variance;
+    }
+    const float thickness = std::sqrt(all.variance / all.count);
+    for (std::uint32_t i = level.begin(cell); i < level.end(cell); ++i) {
+      State& state = states_[i];
+      if (!state.open || state.first < 0 || state.line_width >= 0) continue;
+      state.open = false;
+      surfels_.thicknesses[i] = std::min(thickness, surfels_.thicknesses[i]);
+      if (std::abs(surfels_.offsets[i]) <= kDeviations * thickness) continue;
+      surfels_.thicknesses[i] = surfels_.offsets[i] = 0;
+      surfels_.normals.col(i).setZero();
+    }
+  }
+
+  /// What the patches of a cell and of those around it tell its open points.
+  void takeAll(const CellLevel& level, std::size_t cell, const CellNeighbors& neighbors, CellPatches& patches) {
+    const Patch& patch = patches.of(cell);
+    if (patch.shape == Patch::Shape::kFew && level.level() < max_level_) return;
+    for (std::uint32_t i = level.begin(cell); i < level.end(cell); ++i) {
+      State& state = states_[i];
+      if (!state.open) continue;
+      if (state.first < 0) begin(i, patch, level.level());
+      const Eigen::Vector3f at = positionInCell(gridPosition(points_.col(i), grid_), level.level());
+      takeSurface(i, patch, at, kOwnShare, level.level());
+      if (!(state.ratio < kFlat)) takeFromBeside(i, at, neighbors, patches, level.level());
+      state.open = !(state.ratio < kFlat) && level.level() < state.first + kMaxGrowth;
+    }
+  }
+
+  /// Near an edge it is the surface of one side, which lies beside the point. The flattest of them.
+  void takeFromBeside(std::uint32_t i, const Eigen::Vector3f& at, const CellNeighbors& neighbors, CellPatches& patches,
+                      int level) {
+    for (const auto& neighbor : neighbors) {
+      const Patch& patch = patches.of(neighbor.cell);
+      if (patch.ratio < kFlat) takeSurface(i, patch, at - neighbor.offset, kBesideShare, level);
+    }
+  }
+
+  /// At the first level with enough points, or at the last.
+  void begin(std::uint32_t i, const Patch& patch, int level) {
+    State& state = states_[i];
+    const float cell = sizeOf(level);
+    state.first = static_cast<std::int8_t>(level);
+    state.density = patch.density * std::ldexp(1.0F, -3 * level);
+    state.line_width = patch.shape == Patch::Shape::kLine ? cell * patch.width : -1;
+    // What stands alone hides nothing but its place.
+    surfels_.radii[i] = patch.shape == Patch::Shape::kFew ? 0 : kBall * cell;
+  }
+
+  /// The patch, if it is flatter than the best so far and the point is part of it. `at`: the point, as the patch has
+  /// it.
+  void takeSurface(std::uint32_t i, const Patch& patch, const Eigen::Vector3f& at, float share, int level) {
+    State& state = states_[i];
+    if (patch.shape != Patch::Shape::kSurface || !(patch.ratio < state.ratio)) return;
+    const float cell = sizeOf(level), offset = patch.offset(at), thickness = std::sqrt(patch.variance);
+    if (!(std::abs(offset) <= kDeviations * thickness + share)) return;
+    if (level > state.first && !isSlab(state, patch, level)) return;
+    state.ratio = patch.ratio;
+    surfels_.normals.col(i) = patch.normalAt(at).normalized();
+    surfels_.offsets[i] = cell * offset;
+    surfels_.thicknesses[i] = cell * thickness;
+    const float closing = kClosing * patch.spacing;
+    surfels_.radii[i] =
+        cell * (state.line_width < 0 ? closing : std::max(closing, std::min(kAcrossLines, kSparse * closing)));
+  }
+
+  /// Whether a larger neighbourhood than the first is as full of points as that was, or is a surface across lines.
+  bool isSlab(const State& state, const Patch& patch, int level) const {
+    if (state.line_width >= 0) {
+      return std::sqrt(patch.variance) <= kLineWidth * state.line_width / sizeOf(level) + kLineShare;
+    }
+    return patch.density * std::ldexp(1.0F, -3 * level) >= kFill * state.density;
+  }
+
+  float sizeOf(int level) const { return std::ldexp(grid_.cell, level); }  ///< m, of a cell
+
   const Points& points_;
-  KdTree tree_;
-  std::size_t k_;
-  std::vector<std::uint32_t> neighbors_, wide_;
-  std::vector<float> squared_;
-  std::vector<Moments> moments_;
-  std::vector<Spans> spans_;
+  const ZOrderGrid& grid_;
+  int max_level_;
+  std::uint32_t min_count_;
+  std::vector<State> states_;
+  Surfels surfels_;
 };
 
 }  // namespace
@@ -160,25 +237,28 @@ void SurfelParams::check() const {
   requireInRange("num_neighbors", num_neighbors, 4, 100);
 }
 
-Surfels estimateSurfels(PointsRef points, const SurfelParams& params) {
+Surfels estimateSurfels(PointsRef points, Index num_own, const ZOrderGrid& grid, int max_level,
+                        const SurfelParams& params) {
   params.check();
-  const Eigen::Index n = points.cols();
-  Surfels surfels{Eigen::Matrix3Xf::Zero(3, n), Eigen::VectorXf::Zero(n), Eigen::VectorXf::Zero(n)};
-  if (n == 0) return surfels;
   require<std::invalid_argument>(points.allFinite(), "surfels: a point is not finite; drop such points first");
-  const std::vector<std::uint32_t> order = coarseOrder(points);
-  Points sorted(3, n);
-  for (std::size_t i = 0; i < order.size(); ++i) sorted.col(static_cast<Eigen::Index>(i)) = points.col(order[i]);
-  Estimator estimator(sorted, static_cast<std::size_t>(params.num_neighbors));
-  Surfels planes = surfels;  // in the order of `sorted`
-  for (std::size_t i = 0; i < order.size(); ++i) estimator.estimate(i, planes);
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const auto from = static_cast<Eigen::Index>(i);
-    surfels.normals.col(order[i]) = planes.normals.col(from);
-    surfels.radii[order[i]] = planes.radii[from];
-    surfels.offsets[order[i]] = planes.offsets[from] - estimator.curvatureOffset(i, planes);
+  Surfels surfels = noSurfels(num_own);
+  if (num_own == 0) return surfels;
+  const Distinct distinct = distinctPoints(points, grid);
+  const Estimator estimator(distinct, grid, max_level, params);
+  for (Index i = 0; i < num_own; ++i) {
+    const auto from = static_cast<Index>(distinct.of_point[static_cast<std::size_t>(i)]);
+    surfels.normals.col(i) = estimator.surfels().normals.col(from);
+    surfels.radii[i] = estimator.surfels().radii[from];
+    surfels.offsets[i] = estimator.surfels().offsets[from];
+    surfels.thicknesses[i] = estimator.surfels().thicknesses[from];
   }
   return surfels;
+}
+
+Surfels estimateSurfels(PointsRef points, const SurfelParams& params) {
+  constexpr int kBits = kZOrderBits - 1;
+  require<std::invalid_argument>(points.allFinite(), "surfels: a point is not finite; drop such points first");
+  return estimateSurfels(points, points.cols(), gridOf(points, kBits), kBits, params);
 }
 
 }  // namespace cloud_colorizer

@@ -12,14 +12,18 @@
 namespace cloud_colorizer {
 namespace {
 
-constexpr float kMaxSplat = 32;         // cells; half the extent of the largest splat
-constexpr float kLowPass = 0.5F;        // cells; added to every splat so that neighbours join
-constexpr float kMaxShare = 0.3F;       // of the distance: a disc's radius at most, as nearer discs cross the camera
-constexpr float kMinCosine = 0.05F;     // of the incidence; more grazing ones count as this
-constexpr float kThickness = 0.25F;     // of the radius: how far a visible point may lie below the surface
-constexpr float kBallThickness = 0.6F;  // the same without a plane
-constexpr float kCellSlack = 1.0F;      // cells: a cell holds the nearest of a slanted surface in and just beside it
-constexpr float kJump = 0.04F;          // relative change of depth between cells that is an edge
+constexpr float kMaxSplat = 32;          // cells; half the extent of the largest splat
+constexpr float kLowPass = 0.5F;         // cells; added to every splat so that neighbours join
+constexpr float kMaxShare = 0.3F;        // of the distance: a disc's radius at most, as nearer discs cross the camera
+constexpr float kMinCosine = 0.05F;      // of the incidence; more grazing ones count as this
+constexpr float kThickness = 0.25F;      // of the radius: how far a visible point may lie below the surface
+constexpr float kBallThickness = 0.6F;   // the same without a plane
+constexpr float kSlabDeviations = 2;     // of the thickness, the same
+constexpr float kCellSlack = 1.0F;       // cells: a cell holds the nearest of a slanted surface in and just beside it
+constexpr float kRangeShare = 0.01F;     // of the distance: what a scan's range may differ by at least,
+constexpr float kMaxRangeShare = 0.05F;  // and at most
+constexpr float kMaxTangent = 8;         // of the incidence on a surface that a scan measured
+constexpr float kJump = 0.04F;           // relative change of depth between cells that is an edge
 
 /// A splat: the ellipse a du^2 + 2 b du dv + c dv^2 <= 1 about (u, v) and its plane of inverse distance. In cells.
 struct Ellipse {
@@ -137,7 +141,7 @@ float DepthImage::slope(int row, int col) const {
 }
 
 Visibility DepthImage::test(const Eigen::Vector2f& pixel, const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
-                            float radius, const DepthParams& params) const {
+                            float radius, const DepthParams& params, float thickness) const {
   const float u = (pixel.x() + 0.5F) / cell_size, v = (pixel.y() + 0.5F) / cell_size;
   if (!(u >= 0 && v >= 0 && u < static_cast<float>(depth.cols) && v < static_cast<float>(depth.rows))) {
     return Visibility::kHidden;
@@ -146,19 +150,24 @@ Visibility DepthImage::test(const Eigen::Vector2f& pixel, const Eigen::Vector3f&
   const float distance = point.norm(), behind = distance - depth(row, col);
   const float share = static_cast<float>(params.depth_tolerance) * distance;
   const bool ball = normal.isZero();
-  const float thickness = (ball ? kBallThickness : kThickness) * radius;
-  if (behind > share + thickness) {
+  const float slack = (ball ? kBallThickness : kThickness) * radius + kSlabDeviations * thickness;
+  if (behind > share + slack) {
     // On a slanted surface thickness and the extent of a cell are more along the ray. Both the point's own surface and
     // the one that is seen must be slanted, else a wall would not hide what stands edge-on behind it.
     const float cell = cell_size * pixel_angle * distance;
     const float seen_tangent = slope(row, col) / cell;
-    const float seen = kCellSlack * cell * seen_tangent + thickness * std::sqrt(1 + seen_tangent * seen_tangent);
+    const float seen = kCellSlack * cell * seen_tangent + slack * std::sqrt(1 + seen_tangent * seen_tangent);
     const float cosine = ball ? 1.0F : std::min(1.0F, std::max(kMinCosine, std::abs(normal.dot(point)) / distance));
-    const float own = kCellSlack * cell * std::sqrt(1 - cosine * cosine) / cosine + thickness / cosine;
-    if (!(behind <= share + std::min(own, seen))) return Visibility::kHidden;
+    const float own = kCellSlack * cell * std::sqrt(1 - cosine * cosine) / cosine + slack / cosine;
+    if (!(behind <= share + std::min(own, seen))) {
+      const float tangent = std::min(kMaxTangent, std::sqrt(1 - cosine * cosine) / cosine);
+      const float range =
+          distance * std::min(kMaxRangeShare, std::max(kRangeShare, (share + slack / cosine) / distance));
+      if (!empty_space || !empty_space->uncovers(point, depth(row, col), range, tangent)) return Visibility::kHidden;
+    }
   }
   // A point that is there was splatted itself. So only one that is nearer than all splats can be absent.
-  if (behind < -share - thickness && empty_space && empty_space->contains(point)) return Visibility::kAbsent;
+  if (behind < -share - slack && empty_space && empty_space->contains(point)) return Visibility::kAbsent;
   return edge(row, col) != 0 ? Visibility::kEdge : Visibility::kVisible;
 }
 

@@ -70,8 +70,10 @@ cv::Mat1w emptyRanges(const cv::Mat1w& panorama) {
   return ranges;
 }
 
-void EmptySpace::add(std::shared_ptr<const cv::Mat1w> ranges, const Eigen::Isometry3f& sensor_from_camera) {
-  scans_.push_back({std::move(ranges), sensor_from_camera.linear(), sensor_from_camera.translation()});
+void EmptySpace::add(std::shared_ptr<const cv::Mat1w> ranges, const Eigen::Isometry3f& sensor_from_camera,
+                     std::shared_ptr<const cv::Mat1w> measured) {
+  scans_.push_back(
+      {std::move(ranges), std::move(measured), sensor_from_camera.linear(), sensor_from_camera.translation()});
 }
 
 bool EmptySpace::contains(const Eigen::Vector3f& point) const {
@@ -88,9 +90,37 @@ bool EmptySpace::contains(const Eigen::Vector3f& point) const {
   return seen_through;
 }
 
+bool EmptySpace::uncovers(const Eigen::Vector3f& point, float distance, float tolerance, float tangent) const {
+  bool measured = false;
+  const Eigen::Vector3f occluder = point * (distance / point.norm());
+  for (const Ranges& scan : scans_) {
+    if (!scan.measured) continue;
+    const float angle = static_cast<float>(2 * M_PI) / static_cast<float>(scan.measured->cols);
+    const Eigen::Vector3f place = scan.rotation * point + scan.translation;
+    const float range = place.norm(), found = scan.measuredAt(place);
+    if (found == 0) continue;
+    // A cell holds the nearest range in it: of a slanted surface less than that of its middle.
+    const float slack = tolerance + angle * range * tangent;
+    if (std::abs(range - found) > slack) return false;
+    const Eigen::Vector3f before = scan.rotation * occluder + scan.translation;
+    if (!(scan.measuredAt(before) > before.norm() + tolerance)) return false;
+    measured = true;
+  }
+  return measured;
+}
+
+float EmptySpace::Ranges::measuredAt(const Eigen::Vector3f& place) const {
+  const float range = place.norm();
+  if (!(range > 0)) return 0;
+  return static_cast<float>((*measured)(cellOf(place, range, measured->cols, measured->rows))) /
+         static_cast<float>(kStepsPerMetre);
+}
+
 std::size_t EmptySpace::numBytes() const {
   std::size_t bytes = 0;
-  for (const Ranges& scan : scans_) bytes += scan.ranges->total() * sizeof(std::uint16_t);
+  for (const Ranges& scan : scans_) {
+    bytes += (scan.ranges->total() + (scan.measured ? scan.measured->total() : 0)) * sizeof(std::uint16_t);
+  }
   return bytes;
 }
 

@@ -117,7 +117,8 @@ class Looker {
     const auto at = static_cast<Eigen::Index>(i);
     const Eigen::Vector3f normal = rotation_ * surfels.normals.col(at);
     const float radius = surfels.radii[at];
-    const Visibility visibility = view_.depth->test(*pixel, point, normal, radius, depth_params_);
+    const Visibility visibility =
+        view_.depth->test(*pixel, point, normal, radius, depth_params_, surfels.thickness(at));
     if (visibility == Visibility::kHidden) {
       ++stats.hidden;
       best.markHidden(i);

@@ -128,7 +128,8 @@ TEST(Surfels, CurvedSurfaceKeepsItsSize) {
   double sum = 0;
   for (Eigen::Index i = 0; i < sphere.cols(); ++i) sum += 1 - surfels.onSurface(i, sphere.col(i)).norm();
   const double spacing = std::sqrt(4 * M_PI / 3000);
-  EXPECT_LT(std::abs(sum / 3000), 0.01 * spacing);  // planes through the neighbours lie 0.11 spacings too deep
+  // Planes through the neighbours lie 0.18 spacings too deep: what a bend without tilt leaves of it.
+  EXPECT_LT(std::abs(sum / 3000), 0.03 * spacing);
 }
 
 TEST(Surfels, DiscsCloseTheSurface) {
@@ -168,6 +169,71 @@ TEST(Surfels, FarOutlierStaysSmall) {
   test::Scan scan = noisyPlane(0);
   scan.points.col(0) = Eigen::Vector3f(0, 0, 0.8F);
   EXPECT_LT(estimateSurfels(scan.points, kParams).radii[0], 0.5F);
+}
+
+TEST(Surfels, ThicknessIsTheNoiseAlongTheNormal) {
+  for (const float noise : {0.01F, 0.02F}) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> side(-1, 1);
+    std::normal_distribution<float> normal(0, noise);
+    Points points(3, 60000);  // spacing 8 mm: denser than it is thick
+    for (Eigen::Index i = 0; i < points.cols(); ++i) points.col(i) << side(random), side(random), normal(random);
+    const Surfels surfels = estimateSurfels(points, kParams);
+    Eigen::VectorXf sorted = surfels.thicknesses;
+    std::nth_element(sorted.data(), sorted.data() + sorted.size() / 2, sorted.data() + sorted.size());
+    EXPECT_NEAR(sorted[sorted.size() / 2], noise, 0.15F * noise);
+  }
+}
+
+TEST(Surfels, PointGivenManyTimesIsOnePoint) {
+  const Points once = noisyPlane(0.02).points;
+  Points thrice(3, 3 * once.cols());
+  thrice << once, once, once;
+  const Surfels alone = estimateSurfels(once, kParams), together = estimateSurfels(thrice, kParams);
+  for (const int copy : {0, 1, 2}) {
+    EXPECT_EQ(alone.normals, together.normals.middleCols(copy * once.cols(), once.cols()));
+    EXPECT_EQ(alone.radii, together.radii.segment(copy * once.cols(), once.cols()));
+    EXPECT_EQ(alone.offsets, together.offsets.segment(copy * once.cols(), once.cols()));
+    EXPECT_EQ(alone.thicknesses, together.thicknesses.segment(copy * once.cols(), once.cols()));
+  }
+}
+
+TEST(Surfels, ScaleOfTheSceneDoesNotMatter) {
+  const Points points = noisyPlane(0.02).points;
+  const Surfels surfels = estimateSurfels(points, kParams);
+  for (const float scale : {1.F / 128, 128.F}) {  // powers of two: exact in floats
+    const Surfels scaled = estimateSurfels(scale * points, kParams);
+    EXPECT_EQ(scaled.normals, surfels.normals);
+    EXPECT_EQ(scaled.radii, scale * surfels.radii);
+    EXPECT_EQ(scaled.thicknesses, scale * surfels.thicknesses);
+  }
+}
+
+TEST(Surfels, PieceHasTheSurfelsOfTheWhole) {
+  const Points points = noisyPlane(0.02).points;
+  const ZOrderGrid grid{Eigen::Vector3f::Constant(-2), 1.F / 1024};
+  constexpr int kLevel = 8;  // cells of up to 0.25 m
+  const Surfels whole = estimateSurfels(points, points.cols(), grid, kLevel, kParams);
+  std::vector<Eigen::Index> own, beside;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    if (points(0, i) < 0)
+      own.push_back(i);
+    else if (points(0, i) < 0.5F)
+      beside.push_back(i);
+  }
+  std::vector<Eigen::Index> all = own;
+  all.insert(all.end(), beside.begin(), beside.end());
+  Points piece(3, static_cast<Eigen::Index>(all.size()));
+  for (std::size_t k = 0; k < all.size(); ++k) piece.col(static_cast<Eigen::Index>(k)) = points.col(all[k]);
+  const auto count = static_cast<Eigen::Index>(own.size());
+  const Surfels part = estimateSurfels(piece, count, grid, kLevel, kParams);
+  ASSERT_EQ(part.radii.size(), count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Index i = own[static_cast<std::size_t>(k)];
+    EXPECT_EQ(part.normals.col(k), whole.normals.col(i));
+    EXPECT_EQ(part.radii[k], whole.radii[i]);
+    EXPECT_EQ(part.thicknesses[k], whole.thicknesses[i]);
+  }
 }
 
 TEST(Surfels, RefusesBadInput) {

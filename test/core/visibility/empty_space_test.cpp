@@ -76,6 +76,22 @@ TEST(EmptySpace, EndsShortOfTheNearestReturnAround) {
   EXPECT_FALSE(space.contains(12 * Eigen::Vector3f(std::cos(angle), std::sin(angle), 0)));
 }
 
+TEST(EmptySpace, UncoversWhatItMeasuredBehindWhatItLookedThrough) {
+  const cv::Mat1w panorama = makeRangePanorama(roomWithBox(20, 10), 0.5, 0);
+  EmptySpace space;
+  space.add(std::make_shared<const cv::Mat1w>(emptyRanges(panorama)), kHere,
+            std::make_shared<const cv::Mat1w>(panorama));
+  const Eigen::Vector3f on_box(10, 0, 0), on_wall(-20, 0, 0), behind_box(20, 0, 0), unknown(0, 0, 12);
+  EXPECT_TRUE(space.uncovers(on_box, 9, 0.1F, 0));       // nothing stood a metre before it
+  EXPECT_TRUE(space.uncovers(on_wall, 19, 0.1F, 0));     // across the seam of the panorama
+  EXPECT_FALSE(space.uncovers(on_box, 9.95F, 0.1F, 0));  // too near to it to tell
+  EXPECT_FALSE(space.uncovers(behind_box, 15, 0.1F, 0));
+  EXPECT_FALSE(space.uncovers(behind_box, 10, 0.1F, 0));
+  EXPECT_FALSE(space.uncovers(unknown, 5, 0.1F, 0));
+  space.add(rangesOf(roomWithBox(20, 5)), kHere);  // without what was measured it tells nothing here
+  EXPECT_TRUE(space.uncovers(on_box, 9, 0.1F, 0));
+}
+
 TEST(EmptySpace, AgreesWithTheRoomInEveryDirection) {
   EmptySpace space;
   Eigen::Isometry3f sensor_from_camera(Eigen::AngleAxisf(0.7F, Eigen::Vector3f(1, 2, 3).normalized()));

@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "surface/cell_level.hpp"
+
+#include <algorithm>
+
+namespace cloud_colorizer {
+namespace {
+
+constexpr int kBlockBits = 6;  // of a key: 4 x 4 x 4 cells
+constexpr std::uint64_t kAxisBits = 0x1249249249249249;
+
+/// The key of the cell one further along an axis, or one back.
+std::uint64_t shiftedKey(std::uint64_t key, int axis, int step) {
+  const std::uint64_t bits = kAxisBits << axis, one = std::uint64_t{1} << axis;
+  const std::uint64_t along = step > 0 ? (key | ~bits) + one : (key & bits) - one;
+  return step == 0 ? key : (key & ~bits) | (along & bits);
+}
+
+/// Number k = 0 to 26 of the cells around one, as steps along the axes.
+constexpr int stepOf(int k, int axis) {
+  return (axis == 0 ? k % 3 : axis == 1 ? k / 3 % 3 : k / 9) - 1;
+}
+
+/// Where the 27 cells around a cell of a block are: in which of the 27 blocks around, and which cell of it.
+struct Place {
+  std::uint8_t block, cell;
+};
+using Places = std::array<std::array<Place, 27>, 64>;
+
+Places makePlaces() {
+  Places places{};
+  for (unsigned cell = 0; cell < 64; ++cell) {
+    for (int k = 0; k < 27; ++k) {
+      int block = 0, scale = 1;
+      unsigned bits = 0;
+      for (int axis = 0; axis < 3; ++axis, scale *= 3) {
+        const unsigned at = (cell >> axis & 1U) | (cell >> (axis + 3) & 1U) << 1;
+        const int moved = static_cast<int>(at) + stepOf(k, axis);
+        block += scale * (moved < 0 ? 0 : moved > 3 ? 2 : 1);
+        const auto inside = static_cast<unsigned>(moved) & 3U;
+        bits |= (inside & 1U) << axis | (inside >> 1) << (axis + 3);
+      }
+      places[cell][static_cast<std::size_t>(k)] = {static_cast<std::uint8_t>(block), static_cast<std::uint8_t>(bits)};
+    }
+  }
+  return places;
+}
+
+const Places kPlaces = makePlaces();
+
+}  // namespace
+
+CellLevel::CellLevel(PointsRef points, const std::vector<std::uint64_t>& keys, const ZOrderGrid& grid, int level)
+    : level_(level) {
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const std::uint64_t key = keys[i] >> (3 * level);
+    if (keys_.empty() || keys_.back() != key) {
+      keys_.push_back(key);
+      begins_.push_back(static_cast<std::uint32_t>(i));
+      moments_.emplace_back();
+    }
+    moments_.back().add(positionInCell(gridPosition(points.col(static_cast<Eigen::Index>(i)), grid), level));
+  }
+  begins_.push_back(static_cast<std::uint32_t>(keys.size()));
+  makeBlocks();
+}
+
+CellLevel CellLevel::parents() const {
+  CellLevel up(level_ + 1);
+  for (std::size_t i = 0; i < size(); ++i) {
+    const std::uint64_t key = keys_[i] >> 3;
+    if (up.keys_.empty() || up.keys_.back() != key) {
+      up.keys_.push_back(key);
+      up.begins_.push_back(begins_[i]);
+      up.moments_.emplace_back();
+    }
+    const Eigen::Vector3f side(keys_[i] & 1U ? 0.25F : -0.25F, keys_[i] & 2U ? 0.25F : -0.25F,
+                               keys_[i] & 4U ? 0.25F : -0.25F);
+    up.moments_.back().add(moments_[i].halved(), side);
+  }
+  up.begins_.push_back(begins_.back());
+  up.makeBlocks();
+  return up;
+}
+
+void CellLevel::makeBlocks() {
+  for (std::size_t i = 0; i < keys_.size(); ++i) {
+    const std::uint64_t key = keys_[i] >> kBlockBits;
+    if (blocks_.empty() || blocks_.back().key != key) blocks_.push_back({key, 0, static_cast<std::uint32_t>(i)});
+    blocks_.back().mask |= std::uint64_t{1} << (keys_[i] & 63U);
+  }
+}
+
+void CellNeighbors::enterBlock(std::uint64_t key) {
+  const auto& blocks = level_.blocks_;
+  block_ = key;
+  for (int k = 0; k < 27; ++k) {
+    std::uint64_t near = key;
+    for (int axis = 0; axis < 3; ++axis) near = shiftedKey(near, axis, stepOf(k, axis));
+    const auto at = std::lower_bound(blocks.begin(), blocks.end(), near,
+                                     [](const CellLevel::Block& b, std::uint64_t wanted) { return b.key < wanted; });
+    near_[static_cast<std::size_t>(k)] = at != blocks.end() && at->key == near ? &*at : nullptr;
+  }
+}
+
+void CellNeighbors::moveTo(std::size_t cell) {
+  const std::uint64_t key = level_.key(cell);
+  if (key >> kBlockBits != block_) enterBlock(key >> kBlockBits);
+  const auto& places = kPlaces[key & 63U];
+  count_ = 0;
+  for (int k = 0; k < 27; ++k) {
+    const Place place = places[static_cast<std::size_t>(k)];
+    const CellLevel::Block* const block = near_[place.block];
+    const std::uint64_t bit = std::uint64_t{1} << place.cell;
+    if (block == nullptr || (block->mask & bit) == 0) continue;
+    const auto before = static_cast<std::uint32_t>(__builtin_popcountll(block->mask & (bit - 1)));
+    found_[count_++] = {block->first + before,
+                        Eigen::Vector3f(static_cast<float>(stepOf(k, 0)), static_cast<float>(stepOf(k, 1)),
+                                        static_cast<float>(stepOf(k, 2)))};
+  }
+}
+
+}  // namespace cloud_colorizer
