@@ -28,7 +28,7 @@ void colorAndSave(const Recording& recording, const CommandLine& line, const Cal
                   const std::vector<std::string>& image_names) {
   const std::string output = line.option("output");
   // What the format cannot hold is told before the work.
-  { const CloudWriter trial(output, 0, coloredFields(recording), false); }
+  { const CloudWriter trial(output, 0, coloredFields(recording, line.params), false); }
   const ColorizeSummary summary = colorize(recording, line.params, callbacks);
   callbacks.log(LogLevel::kInfo, summary.describe());
   saveColored(recording, line.params, output, callbacks);

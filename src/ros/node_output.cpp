@@ -104,7 +104,7 @@ void NodeOutput::publishPreview(const Cloud& cloud, const Eigen::Vector3d& origi
 
 void NodeOutput::publishMap(const Recording& recording, const Params& params) {
   const std::size_t total = recording.numPoints();
-  const std::size_t step = 12 + recordSize(coloredFields(recording));
+  const std::size_t step = 12 + recordSize(coloredFields(recording, params));
   const std::size_t cap = std::min(static_cast<std::size_t>(params_.max_published_points), kMaxMessageBytes / step);
   const std::size_t stride = std::max<std::size_t>(1, (total + cap - 1) / cap);
   sensor_msgs::PointCloud2Ptr message(new sensor_msgs::PointCloud2);

@@ -36,8 +36,9 @@ ColorizeSummary colorize(const Recording& recording, const Params& params, const
 std::vector<Eigen::Isometry3d> usedPoses(const Recording& recording, const Params& params);
 
 /// Fields of the coloured map: those of the recording (a clash gets the prefix "input_"; what an earlier run added is
-/// replaced), then rgb (FLOAT32, packed), view_count (UINT16), color_stddev (FLOAT32).
-std::vector<Field> coloredFields(const Recording& recording);
+/// replaced), then rgb (FLOAT32, packed), view_count (UINT16), color_stddev (FLOAT32), and with `moving: mark`, where
+/// the recording has scans, moving (UINT8; from 128 on something that moved).
+std::vector<Field> coloredFields(const Recording& recording, const Params& params);
 
 /// Visits the coloured map tile by tile (after colorize). Positions are relative to the origin where `relative`.
 void forEachColoredTile(const Recording& recording, const Params& params, bool relative,

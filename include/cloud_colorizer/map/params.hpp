@@ -24,10 +24,13 @@
 namespace cloud_colorizer {
 
 enum class Uncolored { kKeep, kDrop, kFill };
+/// What is done with points of what moved: nothing; a field tells of them; they are left out of the map.
+enum class Moving { kKeep, kMark, kDrop };
 
 struct ColorizeParams {
   Method method = Method::kDefault;
   Uncolored uncolored = Uncolored::kKeep;
+  Moving moving = Moving::kMark;
   double fill_distance = 0.3;  ///< m; `uncolored: fill` takes the colour of the nearest coloured point within it
   int num_threads = 0;         ///< 0: one a core
   double memory_limit = 1500;  ///< MB for chunks in work, images and depth images together
@@ -53,6 +56,7 @@ struct Params {
 /// Names of an enumeration's values, in order.
 std::vector<std::string> enumNames(Method);
 std::vector<std::string> enumNames(Uncolored);
+std::vector<std::string> enumNames(Moving);
 std::vector<std::string> enumNames(SolverKind);
 std::vector<std::string> enumNames(AnchorKind);
 std::vector<std::string> enumNames(PassGrids);
@@ -114,6 +118,7 @@ void visitParams(ParamsT& p, F&& f) {
   f("solver", p.system.solver, "cg (conjugate gradients), cholmod or spqr (factorisations)");
   f("max_chunk_points", p.chunks.max_chunk_points, "points of a chunk's core");
   f("overlap", p.chunks.overlap, "halo of a chunk as a share of its side");
+  f("moving", p.colorize.moving, "keep, mark (field moving) or drop the points of what moved, as the scans tell it");
   f("fill_distance", p.colorize.fill_distance, "m within which an unseen point takes a neighbour's colour");
 }
 

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <utility>
 #include <vector>
 
 namespace cloud_colorizer {
@@ -23,23 +24,46 @@ cv::Mat1w makeRangePanorama(const Eigen::Matrix3Xd& positions, double resolution
 /// those beside it, less a margin for noise. 0 where the cell has no return: nothing is known there.
 cv::Mat1w emptyRanges(const cv::Mat1w& panorama);
 
-/// What a scan tells: the nearest range of every cell, and up to where it is empty.
+/// What a scan measured: the nearest range of every cell, and up to where it is empty.
 struct ScanRanges {
   cv::Mat1w measured, empty;
+
+  std::size_t numBytes() const { return (measured.total() + empty.total()) * sizeof(std::uint16_t); }
 };
 inline ScanRanges scanRanges(const cv::Mat1w& panorama) {
   return {panorama, emptyRanges(panorama)};
 }
 
-/// Which space in front of a camera was empty.
+/// What a scan tells of a place: nothing; that it saw through it; that it ended there; that it ended before.
+enum class ScanEvidence { kNothing, kEmpty, kSurface, kBehind };
+
+/// A scan, and where it was taken.
+class PlacedScan {
+ public:
+  PlacedScan(std::shared_ptr<const ScanRanges> ranges, const Eigen::Isometry3f& sensor_from_frame);
+
+  ScanEvidence at(const Eigen::Vector3f& place) const;  ///< m, in the frame
+  Eigen::Vector3f inSensor(const Eigen::Vector3f& place) const { return rotation_ * place + translation_; }
+  /// m, the nearest range in the direction of a place in the sensor's frame; 0 where the cell has none.
+  float measuredAt(const Eigen::Vector3f& in_sensor) const;
+  float cellAngle() const;  ///< rad that a cell spans at the horizon
+  std::size_t numBytes() const { return ranges_->numBytes(); }
+
+ private:
+  std::shared_ptr<const ScanRanges> ranges_;
+  Eigen::Matrix3f rotation_;
+  Eigen::Vector3f translation_;
+};
+
+/// What the scans of a view's moment tell of the space in front of its camera.
 class EmptySpace {
  public:
-  /// `ranges`: of emptyRanges(); `measured`: the panorama that they come from, or null.
-  void add(std::shared_ptr<const cv::Mat1w> ranges, const Eigen::Isometry3f& sensor_from_camera,
-           std::shared_ptr<const cv::Mat1w> measured = nullptr);
+  void add(PlacedScan scan) { scans_.push_back(std::move(scan)); }
 
   /// Whether a scan saw through the place [m, in the camera's frame], and no other has it that something was there.
   bool contains(const Eigen::Vector3f& point) const;
+  /// Whether a scan ended there: what the map holds at the place was there at that moment.
+  bool confirms(const Eigen::Vector3f& point) const;
   /// Whether a scan measured the surface at `point` [m, in the camera's frame] and looked through what seems to hide it
   /// at `distance` [m] from the camera, and no other scan has it otherwise. `tolerance`: m of range that measurements
   /// may differ by; `tangent`: of the angle of incidence, as a cell of a scan has the nearest of a slanted surface.
@@ -48,15 +72,7 @@ class EmptySpace {
   std::size_t numBytes() const;
 
  private:
-  struct Ranges {
-    std::shared_ptr<const cv::Mat1w> ranges, measured;
-    Eigen::Matrix3f rotation;
-    Eigen::Vector3f translation;
-
-    /// m, the nearest range in the direction of a place in the sensor's frame; 0 where the cell has none.
-    float measuredAt(const Eigen::Vector3f& place) const;
-  };
-  std::vector<Ranges> scans_;
+  std::vector<PlacedScan> scans_;
 };
 
 }  // namespace cloud_colorizer

@@ -70,7 +70,7 @@ class Finder {
  private:
   bool see(Eigen::Index p, Sight& sight) const {
     const Eigen::Vector3f local = camera_from_map_ * input_.points.col(p);
-    if (local.norm() > max_distance_) return false;
+    if (local.norm() > max_distance_ || input_.surfels.radii[p] < 0) return false;
     const auto pixel = camera_.project(local);
     if (!pixel) return false;
     const Eigen::Vector3f normal = camera_from_map_.linear() * input_.surfels.normals.col(p);

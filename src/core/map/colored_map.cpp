@@ -14,6 +14,7 @@
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "map/fingerprint.hpp"
+#include "visibility/moving.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -23,6 +24,13 @@ using Eigen::Index;
 /// What is appended to a point's record.
 const std::vector<Field> kColorFields = {
     {"rgb", FieldType::kFloat32, 1}, {"view_count", FieldType::kUint16, 1}, {"color_stddev", FieldType::kFloat32, 1}};
+
+/// Appended where it is known: 0 to 255, from 128 on something that moved.
+const Field kMovingField = {"moving", FieldType::kUint8, 1};
+
+bool marksMoving(const Recording& recording, const Params& params) {
+  return params.colorize.moving == Moving::kMark && findsMoving(recording, params);
+}
 
 /// Of point i. rgb is 0x00RRGGBB, which rviz and PCL read as FLOAT32.
 void writeColor(const TileColors& colors, std::size_t i, std::uint8_t* out) {
@@ -39,7 +47,7 @@ void writeColor(const TileColors& colors, std::size_t i, std::uint8_t* out) {
 /// The fields of a recording that go into its coloured map. Not the colours that an earlier run of this program gave a
 /// map which is coloured again: they are replaced.
 std::vector<Field> keptFields(const std::vector<Field>& fields) {
-  static const std::set<std::string> kOurs = {"rgb", "red", "green", "blue", "view_count", "color_stddev"};
+  static const std::set<std::string> kOurs = {"rgb", "red", "green", "blue", "view_count", "color_stddev", "moving"};
   if (!findField(fields, "view_count") || !findField(fields, "color_stddev")) return fields;
   std::vector<Field> kept;
   std::copy_if(fields.begin(), fields.end(), std::back_inserter(kept),
@@ -47,19 +55,38 @@ std::vector<Field> keptFields(const std::vector<Field>& fields) {
   return kept;
 }
 
-/// The tile as a cloud, without the points for which `keep` is false.
+/// All fields of the coloured map.
+std::vector<Field> mapFields(const Recording& recording, bool with_moving) {
+  static const std::set<std::string> kOurs = {"rgb",  "rgba",       "red",          "green",
+                                              "blue", "view_count", "color_stddev", "moving"};
+  std::vector<Field> fields = keptFields(recording.fields());
+  std::set<std::string> given;
+  for (const Field& field : fields) given.insert(field.name);
+  for (Field& field : fields) {
+    if (kOurs.count(field.name) == 0) continue;
+    do field.name = "input_" + field.name;
+    while (given.count(field.name) != 0);
+    given.insert(field.name);
+  }
+  fields.insert(fields.end(), kColorFields.begin(), kColorFields.end());
+  if (with_moving) fields.push_back(kMovingField);
+  return fields;
+}
+
+/// The tile as a cloud, without the points for which `keep` is false. `moving`: the field of that name, or empty.
 Cloud makeCloud(const Recording& recording, std::size_t tile, const TileColors& colors, bool relative,
-                const std::vector<bool>& keep) {
+                const std::vector<bool>& keep, const std::vector<std::uint8_t>& moving) {
   const Points points = recording.readPoints(tile);
   const std::vector<std::uint8_t> records = recording.readRecords(tile);
   const std::vector<Field> kept = keptFields(recording.fields());
   const RecordMap record_map(recording.fields(), kept);
   const std::size_t in_bytes = recordSize(recording.fields()), kept_bytes = recordSize(kept);
-  const std::size_t out_bytes = kept_bytes + recordSize(kColorFields);
+  const std::size_t color_bytes = recordSize(kColorFields);
+  const std::size_t out_bytes = kept_bytes + color_bytes + (moving.empty() ? 0 : 1);
   const Eigen::Vector3d origin = relative ? Eigen::Vector3d::Zero() : recording.origin();
 
   Cloud cloud;
-  cloud.fields = coloredFields(recording);
+  cloud.fields = mapFields(recording, !moving.empty());
   const auto num_kept = std::count(keep.begin(), keep.end(), true);
   cloud.positions.resize(3, num_kept);
   cloud.records.resize(static_cast<std::size_t>(num_kept) * out_bytes);
@@ -70,6 +97,7 @@ Cloud makeCloud(const Recording& recording, std::size_t tile, const TileColors& 
     cloud.positions.col(next++) = points.col(static_cast<Index>(i)).cast<double>() + origin;
     if (kept_bytes > 0) record_map.copy(records.data() + i * in_bytes, out);
     writeColor(colors, i, out + kept_bytes);
+    if (!moving.empty()) out[kept_bytes + color_bytes] = moving[i];
     out += out_bytes;
   }
   return cloud;
@@ -88,21 +116,45 @@ class ColoredTiles {
   }
 
   std::size_t numPoints() const {
-    return uncolored() == Uncolored::kDrop ? summarize(work_).num_colored : work_.recording().numPoints();
+    const bool all = uncolored() != Uncolored::kDrop && !dropsMoving();
+    if (all) return work_.recording().numPoints();
+    std::size_t count = 0;
+    for (std::size_t tile = 0; tile < work_.recording().tiles().size(); ++tile) {
+      const std::vector<bool> keep = kept(work_.files().readColors(tile), movingOf(tile));
+      count += static_cast<std::size_t>(std::count(keep.begin(), keep.end(), true));
+    }
+    return count;
   }
 
   void visit(bool relative, const std::function<void(const Cloud&)>& visitor) {
     for (std::size_t tile = 0; tile < work_.recording().tiles().size(); ++tile) {
       TileColors colors = work_.files().readColors(tile);
       if (uncolored() == Uncolored::kFill) fillUncolored(work_, tile, colors);
-      std::vector<bool> keep(colors.count.size());
-      for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = uncolored() != Uncolored::kDrop || colors.count[i] > 0;
-      visitor(makeCloud(work_.recording(), tile, colors, relative, keep));
+      const std::vector<std::uint8_t> moving = movingOf(tile);
+      const bool marks = marksMoving(work_.recording(), work_.params());
+      visitor(makeCloud(work_.recording(), tile, colors, relative, kept(colors, moving),
+                        marks ? moving : std::vector<std::uint8_t>()));
     }
   }
 
  private:
   Uncolored uncolored() const { return work_.params().colorize.uncolored; }
+  bool dropsMoving() const { return work_.params().colorize.moving == Moving::kDrop; }
+
+  /// Empty where the recording cannot tell, or nobody asked.
+  std::vector<std::uint8_t> movingOf(std::size_t tile) const {
+    if (!findsMoving(work_.recording(), work_.params())) return {};
+    return work_.files().readMoving(tile);
+  }
+
+  std::vector<bool> kept(const TileColors& colors, const std::vector<std::uint8_t>& moving) const {
+    std::vector<bool> keep(colors.count.size());
+    for (std::size_t i = 0; i < keep.size(); ++i) {
+      keep[i] = (uncolored() != Uncolored::kDrop || colors.count[i] > 0) &&
+                (!dropsMoving() || moving.empty() || moving[i] < kMovingShare);
+    }
+    return keep;
+  }
 
   FolderLock lock_;
   Workspace work_;
@@ -110,19 +162,8 @@ class ColoredTiles {
 
 }  // namespace
 
-std::vector<Field> coloredFields(const Recording& recording) {
-  static const std::set<std::string> kOurs = {"rgb", "rgba", "red", "green", "blue", "view_count", "color_stddev"};
-  std::vector<Field> fields = keptFields(recording.fields());
-  std::set<std::string> given;
-  for (const Field& field : fields) given.insert(field.name);
-  for (Field& field : fields) {
-    if (kOurs.count(field.name) == 0) continue;
-    do field.name = "input_" + field.name;
-    while (given.count(field.name) != 0);
-    given.insert(field.name);
-  }
-  fields.insert(fields.end(), kColorFields.begin(), kColorFields.end());
-  return fields;
+std::vector<Field> coloredFields(const Recording& recording, const Params& params) {
+  return mapFields(recording, marksMoving(recording, params));
 }
 
 void forEachColoredTile(const Recording& recording, const Params& params, bool relative,
@@ -135,7 +176,7 @@ std::size_t saveColored(const Recording& recording, const Params& params, const 
   CloudWriter::checkPath(path);
   ColoredTiles tiles(recording, params);
   const std::size_t num_points = tiles.numPoints();
-  CloudWriter writer(path, num_points, coloredFields(recording), !recording.origin().isZero());
+  CloudWriter writer(path, num_points, coloredFields(recording, params), !recording.origin().isZero());
   ProgressMeter progress(callbacks, "save", num_points);
   tiles.visit(false, [&](const Cloud& cloud) {
     writer.write(cloud);

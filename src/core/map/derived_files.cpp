@@ -141,6 +141,22 @@ std::string DerivedFiles::depthFile(std::size_t view) const {
 }
 
 // The key does not tell how many points the tile had; the size of the file does.
+bool DerivedFiles::hasMoving(std::size_t tile) const {
+  return isWhole(tileFile(kMovingFolder, tile), recording_.tiles()[tile].num_points);
+}
+
+void DerivedFiles::writeMoving(std::size_t tile, const std::vector<std::uint8_t>& shares) const {
+  BlobWriter blob;
+  blob.add(shares);
+  blob.save(tileFile(kMovingFolder, tile));
+}
+
+std::vector<std::uint8_t> DerivedFiles::readMoving(std::size_t tile) const {
+  std::vector<std::uint8_t> shares(recording_.tiles()[tile].num_points);
+  BlobReader(tileFile(kMovingFolder, tile)).read(shares);
+  return shares;
+}
+
 bool DerivedFiles::hasSurfels(std::size_t tile) const {
   return isWhole(tileFile(kSurfelsFolder, tile), kSurfelBytes * recording_.tiles()[tile].num_points);
 }

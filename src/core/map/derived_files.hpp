@@ -19,6 +19,7 @@ namespace cloud_colorizer {
 
 // Folders of a recording that hold derived files.
 constexpr const char* kImageCheckFolder = "damaged_images";
+constexpr const char* kMovingFolder = "moving";
 constexpr const char* kSurfelsFolder = "surfels";
 constexpr const char* kAlignmentFolder = "alignment";
 constexpr const char* kDepthFolder = "depth";
@@ -56,6 +57,10 @@ class DerivedFiles {
   void claim(const std::string& folder, const std::string& key) const;
   bool holds(const std::string& folder, const std::string& key) const;
   std::string pathOf(const std::string& name) const { return recording_.directory() + '/' + name; }
+
+  bool hasMoving(std::size_t tile) const;
+  void writeMoving(std::size_t tile, const std::vector<std::uint8_t>& shares) const;
+  std::vector<std::uint8_t> readMoving(std::size_t tile) const;  ///< MovingVotes::shares()
 
   bool hasSurfels(std::size_t tile) const;
   void writeSurfels(std::size_t tile, const Surfels& surfels) const;

@@ -91,11 +91,24 @@ std::string imageFilesKey(const Recording& recording) {
   return line("version of the stages", kStagesVersion) + line("image files", hash.value());
 }
 
+bool findsMoving(const Recording& recording, const Params& params) {
+  return params.colorize.moving != Moving::kKeep && params.record.scan_resolution > 0 && !recording.scans().empty();
+}
+
+std::string movingKey(const Recording& recording, const Params& params) {
+  const std::string asked = line("moving things are found", findsMoving(recording, params));
+  if (!findsMoving(recording, params)) return asked;
+  Hash hash;
+  for (const Scan& scan : recording.scans()) hash.add(scan.image).add(scan.map_from_sensor.matrix().data(), 16);
+  return asked + line("version of the stages", kStagesVersion) + line("scans", hash.value()) +
+         paramsText(params, {"max_range"}, false);
+}
+
 std::string surfelsKey(const Recording& recording, const Params& params) {
   Hash poses;
   for (const View& view : recording.views()) poses.add(view.map_from_camera.matrix().data(), 16).addValue(view.stamp);
   return line("version of the stages", kStagesVersion) + line("poses of the recording", poses.value()) +
-         paramsText(params, {"clear_radius"}, false);
+         paramsText(params, {"clear_radius"}, false) + movingKey(recording, params);
 }
 
 std::string alignmentKey(const Recording& recording, const Params& params, const ViewList& damaged) {
@@ -114,8 +127,8 @@ std::string depthKey(const Recording& recording, const Params& params, const std
 std::string colorsKey(const Recording& recording, const Params& params, const ViewList& damaged,
                       const std::vector<CorrectedView>& views) {
   // These do not change the colour of a tile.
-  const std::set<std::string> without = {"num_threads", "memory_limit", "uncolored", "fill_distance",
-                                         "scan_resolution"};
+  const std::set<std::string> without = {"num_threads",   "memory_limit",    "uncolored",
+                                         "fill_distance", "scan_resolution", "moving"};
   Hash exposures;
   for (const auto& view : views) {
     exposures.add(view.exposure.gain.data(), static_cast<std::size_t>(view.exposure.gain.size()));

@@ -13,8 +13,12 @@
 
 namespace cloud_colorizer {
 
+/// Whether the parameters ask for what moved, and the recording has scans that tell it.
+bool findsMoving(const Recording& recording, const Params& params);
+
 // What the files in each folder were made from. `damaged`: the views that are left out; `views`: how each is used.
 std::string imageFilesKey(const Recording& recording);
+std::string movingKey(const Recording& recording, const Params& params);
 std::string surfelsKey(const Recording& recording, const Params& params);
 std::string alignmentKey(const Recording& recording, const Params& params, const ViewList& damaged);
 std::string depthKey(const Recording& recording, const Params& params, const std::vector<CorrectedView>& views);

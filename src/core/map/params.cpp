@@ -11,6 +11,10 @@ namespace cloud_colorizer {
 std::vector<std::string> enumNames(Method) {
   return {"default", "paper", "mean", "median", "closest"};
 }
+std::vector<std::string> enumNames(Moving) {
+  return {"keep", "mark", "drop"};
+}
+
 std::vector<std::string> enumNames(Uncolored) {
   return {"keep", "drop", "fill"};
 }

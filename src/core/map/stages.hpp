@@ -12,6 +12,8 @@ namespace cloud_colorizer {
 
 /// Leaves out the views whose image cannot be used, and names them in the log. Throws when none is left.
 void checkImages(Workspace& work, const Callbacks& callbacks);
+/// Votes of all scans on every point: does it belong to something that moved?
+void findMoving(Workspace& work, const Callbacks& callbacks);
 void makeSurfels(Workspace& work, const Callbacks& callbacks);
 void alignViews(Workspace& work, const Callbacks& callbacks);
 void makeDepthImages(Workspace& work, const Callbacks& callbacks);

@@ -10,6 +10,7 @@
 #include "map/lru_cache.hpp"
 #include "map/memory_plan.hpp"
 #include "map/stages.hpp"
+#include "visibility/moving.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -87,7 +88,16 @@ void clearPath(const Recording& recording, std::size_t tile, double clear_radius
   }
   for (Eigen::Index i = 0; i < points.cols() && !places.empty(); ++i) {
     const auto isNear = [&](const Eigen::Vector3f& p) { return (p - points.col(i)).squaredNorm() < radius * radius; };
-    if (std::any_of(places.begin(), places.end(), isNear)) surfels.radii[i] = -1;
+    if (std::any_of(places.begin(), places.end(), isNear)) surfels.radii[i] = -surfels.radii[i];
+  }
+}
+
+/// What moved was there at its own moment only.
+void markMoving(const std::vector<std::uint8_t>& shares, Surfels& surfels) {
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    if (shares[i] < kMovingShare) continue;
+    float& radius = surfels.radii[static_cast<Eigen::Index>(i)];
+    radius = -std::abs(radius);
   }
 }
 
@@ -102,8 +112,10 @@ void makeSurfels(Workspace& work, const Callbacks& callbacks) {
   parallelFor(work.params().colorize.num_threads, recording.tiles().size(), [&](std::size_t tile) {
     const bool todo = !files.hasSurfels(tile);
     if (todo) {
+      const Points points = recording.readPoints(tile);
       Surfels surfels = surfelsOfTile(recording, tile, source, work.params().surfels);
-      clearPath(recording, tile, work.params().depth.clear_radius, recording.readPoints(tile), surfels);
+      clearPath(recording, tile, work.params().depth.clear_radius, points, surfels);
+      if (findsMoving(recording, work.params())) markMoving(files.readMoving(tile), surfels);
       files.writeSurfels(tile, surfels);
     }
     progress.add(recording.tiles()[tile].num_points, todo);

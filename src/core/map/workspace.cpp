@@ -32,7 +32,7 @@ Workspace::Workspace(const Recording& recording, const Params& params)
       scans_(
           MemoryPlan(params.colorize.memory_limit).scans(),
           [this](std::size_t scan) { return scanRanges(recording_.readScan(scan)); },
-          [](const ScanRanges& ranges) { return bytesOf(ranges.measured) + bytesOf(ranges.empty); }),
+          [](const ScanRanges& ranges) { return ranges.numBytes(); }),
       surfaces_(
           MemoryPlan(params.colorize.memory_limit).surfaces(),
           [this](std::size_t tile) {

@@ -32,6 +32,7 @@ class Workspace {
   bool aligns() const;
 
   std::shared_ptr<const Surface> surface(std::size_t tile) { return surfaces_.get(tile); }
+  std::shared_ptr<const ScanRanges> scan(std::size_t scan) { return scans_.get(scan); }
   std::shared_ptr<const cv::Mat> image(std::size_t view) { return images_.get(view); }
   std::shared_ptr<const cv::Mat> mask(std::size_t camera) const { return masks_[camera]; }
   /// What the scans of a view's moment tell; null where there are none. The view may be at another pose than its own.

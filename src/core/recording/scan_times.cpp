@@ -33,9 +33,7 @@ std::shared_ptr<const EmptySpace> emptySpaceAt(
   EmptySpace space;
   for (const std::size_t scan : times.around(stamp)) {
     const Eigen::Isometry3d sensor_from_camera = recording.scans()[scan].map_from_sensor.inverse() * map_from_camera;
-    const std::shared_ptr<const ScanRanges> found = ranges(scan);
-    using Image = std::shared_ptr<const cv::Mat1w>;
-    space.add(Image(found, &found->empty), sensor_from_camera.cast<float>(), Image(found, &found->measured));
+    space.add({ranges(scan), sensor_from_camera.cast<float>()});
   }
   return space.knowsNothing() ? nullptr : std::make_shared<const EmptySpace>(std::move(space));
 }

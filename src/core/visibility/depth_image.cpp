@@ -147,6 +147,8 @@ Visibility DepthImage::test(const Eigen::Vector2f& pixel, const Eigen::Vector3f&
     return Visibility::kHidden;
   }
   const int row = static_cast<int>(v), col = static_cast<int>(u);
+  if (radius < 0 && empty_space && !empty_space->confirms(point)) return Visibility::kAbsent;
+  radius = std::abs(radius);
   const float distance = point.norm(), behind = distance - depth(row, col);
   const float share = static_cast<float>(params.depth_tolerance) * distance;
   const bool ball = normal.isZero();
@@ -226,10 +228,11 @@ void DepthSplatter::add(PointsRef points, const Surfels& surfels) {
   const Eigen::Vector3f translation = camera_from_map_.translation();
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     const Eigen::Vector3f point = rotation * surfels.onSurface(i, points.col(i)) + translation;
-    const float radius = surfels.radii[i];
-    if (radius < 0) continue;
+    const float radius = std::abs(surfels.radii[i]);
+    const bool moves = surfels.radii[i] < 0;
+    if (moves && !empty_space_) continue;
     if (!camera_->mayShow(point, radius) || !(point.squaredNorm() < reach2)) continue;
-    if (empty_space_ && empty_space_->contains(point)) continue;
+    if (empty_space_ && (moves ? !empty_space_->confirms(point) : empty_space_->contains(point))) continue;
     splat(point, rotation * surfels.normals.col(i), radius);
   }
 }

@@ -16,6 +16,11 @@ constexpr double kStepsPerMetre = 256;
 constexpr int kFarthest = std::numeric_limits<std::uint16_t>::max();
 constexpr double kMargin = 0.3, kMarginShare = 0.05;  // m, and share of the range: what noise and slant may hide
 
+/// Steps that noise and slant may hide of a range in steps.
+double marginOf(double range) {
+  return std::max(kMargin * kStepsPerMetre, kMarginShare * range);
+}
+
 /// atan2 / (2 pi) to 2e-5: a cell is seventy times as wide, and this is called for every point in every view.
 float turnOf(float y, float x) {
   const float across = std::abs(y), along = std::abs(x);
@@ -63,64 +68,73 @@ cv::Mat1w emptyRanges(const cv::Mat1w& panorama) {
     for (int col = 0; col < panorama.cols; ++col) {
       if (panorama(row, col) == 0) continue;
       const double range = nearest(row, col + 1);
-      ranges(row, col) =
-          static_cast<std::uint16_t>(std::max(1.0, range - std::max(kMargin * kStepsPerMetre, kMarginShare * range)));
+      ranges(row, col) = static_cast<std::uint16_t>(std::max(1.0, range - marginOf(range)));
     }
   }
   return ranges;
 }
 
-void EmptySpace::add(std::shared_ptr<const cv::Mat1w> ranges, const Eigen::Isometry3f& sensor_from_camera,
-                     std::shared_ptr<const cv::Mat1w> measured) {
-  scans_.push_back(
-      {std::move(ranges), std::move(measured), sensor_from_camera.linear(), sensor_from_camera.translation()});
+PlacedScan::PlacedScan(std::shared_ptr<const ScanRanges> ranges, const Eigen::Isometry3f& sensor_from_frame)
+    : ranges_(std::move(ranges)), rotation_(sensor_from_frame.linear()), translation_(sensor_from_frame.translation()) {}
+
+ScanEvidence PlacedScan::at(const Eigen::Vector3f& place) const {
+  const Eigen::Vector3f direction = inSensor(place);
+  const float range = direction.norm();
+  if (!(range > 0)) return ScanEvidence::kBehind;
+  const std::uint16_t empty = ranges_->empty(cellOf(direction, range, ranges_->empty.cols, ranges_->empty.rows));
+  if (empty == 0) return ScanEvidence::kNothing;
+  const float beyond = range * static_cast<float>(kStepsPerMetre) - static_cast<float>(empty);
+  if (beyond < 0) return ScanEvidence::kEmpty;
+  return beyond <= 2 * static_cast<float>(marginOf(empty)) ? ScanEvidence::kSurface : ScanEvidence::kBehind;
+}
+
+float PlacedScan::measuredAt(const Eigen::Vector3f& in_sensor) const {
+  const float range = in_sensor.norm();
+  if (!(range > 0)) return 0;
+  const cv::Mat1w& measured = ranges_->measured;
+  return static_cast<float>(measured(cellOf(in_sensor, range, measured.cols, measured.rows))) /
+         static_cast<float>(kStepsPerMetre);
+}
+
+float PlacedScan::cellAngle() const {
+  return static_cast<float>(2 * M_PI) / static_cast<float>(ranges_->measured.cols);
 }
 
 bool EmptySpace::contains(const Eigen::Vector3f& point) const {
   bool seen_through = false;
-  for (const Ranges& scan : scans_) {
-    const Eigen::Vector3f place = scan.rotation * point + scan.translation;
-    const float range = place.norm();
-    if (!(range > 0)) return false;
-    const std::uint16_t empty = (*scan.ranges)(cellOf(place, range, scan.ranges->cols, scan.ranges->rows));
-    if (empty == 0) continue;
-    if (range * static_cast<float>(kStepsPerMetre) >= static_cast<float>(empty)) return false;
-    seen_through = true;
+  for (const PlacedScan& scan : scans_) {
+    const ScanEvidence evidence = scan.at(point);
+    if (evidence == ScanEvidence::kSurface || evidence == ScanEvidence::kBehind) return false;
+    seen_through = seen_through || evidence == ScanEvidence::kEmpty;
   }
   return seen_through;
+}
+
+bool EmptySpace::confirms(const Eigen::Vector3f& point) const {
+  return std::any_of(scans_.begin(), scans_.end(),
+                     [&](const PlacedScan& scan) { return scan.at(point) == ScanEvidence::kSurface; });
 }
 
 bool EmptySpace::uncovers(const Eigen::Vector3f& point, float distance, float tolerance, float tangent) const {
   bool measured = false;
   const Eigen::Vector3f occluder = point * (distance / point.norm());
-  for (const Ranges& scan : scans_) {
-    if (!scan.measured) continue;
-    const float angle = static_cast<float>(2 * M_PI) / static_cast<float>(scan.measured->cols);
-    const Eigen::Vector3f place = scan.rotation * point + scan.translation;
+  for (const PlacedScan& scan : scans_) {
+    const Eigen::Vector3f place = scan.inSensor(point);
     const float range = place.norm(), found = scan.measuredAt(place);
     if (found == 0) continue;
     // A cell holds the nearest range in it: of a slanted surface less than that of its middle.
-    const float slack = tolerance + angle * range * tangent;
+    const float slack = tolerance + scan.cellAngle() * range * tangent;
     if (std::abs(range - found) > slack) return false;
-    const Eigen::Vector3f before = scan.rotation * occluder + scan.translation;
+    const Eigen::Vector3f before = scan.inSensor(occluder);
     if (!(scan.measuredAt(before) > before.norm() + tolerance)) return false;
     measured = true;
   }
   return measured;
 }
 
-float EmptySpace::Ranges::measuredAt(const Eigen::Vector3f& place) const {
-  const float range = place.norm();
-  if (!(range > 0)) return 0;
-  return static_cast<float>((*measured)(cellOf(place, range, measured->cols, measured->rows))) /
-         static_cast<float>(kStepsPerMetre);
-}
-
 std::size_t EmptySpace::numBytes() const {
   std::size_t bytes = 0;
-  for (const Ranges& scan : scans_) {
-    bytes += (scan.ranges->total() + (scan.measured ? scan.measured->total() : 0)) * sizeof(std::uint16_t);
-  }
+  for (const PlacedScan& scan : scans_) bytes += scan.numBytes();
   return bytes;
 }
 

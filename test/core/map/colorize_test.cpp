@@ -334,7 +334,7 @@ TEST_F(Colorize, InputColoursKeepTheirValuesUnderAnotherName) {
   Cloud cloud = wall(5, 0.5);
   cloud.fields = {{"rgb", FieldType::kFloat32, 1}};
   recorder.addCloud(cloud, Eigen::Isometry3d::Identity());
-  const auto fields = coloredFields(recorder.snapshot());
+  const auto fields = coloredFields(recorder.snapshot(), params_);
   EXPECT_EQ(fields[0].name, "input_rgb");
   EXPECT_EQ(fields[1].name, "rgb");
 }
@@ -347,7 +347,7 @@ TEST_F(Colorize, OwnOutputAsInputIsReplacedAndTheUsersColoursStay) {
     cloud.records.resize(static_cast<std::size_t>(cloud.positions.cols()) * recordSize(fields));
     recorder.addCloud(cloud, Eigen::Isometry3d::Identity());
     std::string names;
-    for (const Field& field : coloredFields(recorder.snapshot())) names += field.name + ' ';
+    for (const Field& field : coloredFields(recorder.snapshot(), params_)) names += field.name + ' ';
     return names;
   };
   const Field intensity{"intensity", FieldType::kFloat32}, rgb{"rgb", FieldType::kFloat32},
