@@ -42,4 +42,4 @@ expect() {
 make_drive() { simulate --output "$1" --frames 3 --width 320 --height 200 --azimuths 300 >"$tmp/log" 2>&1; }
 
 # forget DIR: removes from a recording what was derived from it.
-forget() { rm -rf "$1"/{surfels,alignment,depth,colored}; }
+forget() { rm -rf "$1"/{moving,surfels,alignment,depth,colored}; }

@@ -312,6 +312,42 @@ TEST_F(Colorize, UnseenPointsAreKeptDroppedOrFilled) {
   }
 }
 
+TEST_F(Colorize, WhatMovedIsMarkedHidesNothingAndCanBeDropped) {
+  // A van at x = 3 in front of a wall at 5: of three scans the second ends at it, as does the view of that moment.
+  Recorder recorder(scratch_ / "r", "map", record_);
+  const Eigen::Isometry3d identity = Eigen::Isometry3d::Identity();
+  const Cloud van = wall(3, 0.05), behind = wall(5, 0.05);
+  recorder.addCloud(behind, identity);
+  recorder.addCloud(van, identity);
+  const auto camera = recorder.setCamera("camera_0", intrinsics_);
+  for (int i = 0; i < 3; ++i) {
+    Eigen::Isometry3d map_from_sensor = identity;
+    map_from_sensor.translation() << 0, i - 1, 2;
+    recorder.addScan("lidar", i, map_from_sensor.inverse() * wall(i == 1 ? 3 : 5, 0.02).positions, map_from_sensor);
+    const Eigen::Vector3d at(0, i - 1, 2);
+    recorder.addView(camera, i, cameraAt(0, i - 1, 2), imageOfWall(intrinsics_, at, i == 1 ? 3 : 5, 1), "png");
+  }
+  const Recording recording = recorder.snapshot();
+  colorize(recording, params_, {});
+  const Cloud marked = colored(recording);
+  ASSERT_EQ(marked.fields.back().name, "moving");
+  const std::size_t step = recordSize(marked.fields);
+  for (Index i = 0; i < marked.positions.cols(); ++i) {
+    const Eigen::Vector3d at = marked.positions.col(i);
+    if (std::abs(at.y()) > 1 || std::abs(at.z() - 2) > 1) continue;
+    const bool is_van = at.x() < 4;
+    EXPECT_EQ(marked.records[(static_cast<std::size_t>(i) + 1) * step - 1] >= 128, is_van) << at.transpose();
+    EXPECT_EQ(viewCountOf(marked, i), is_van ? 1 : 2) << at.transpose();
+  }
+  params_.colorize.moving = Moving::kDrop;
+  const Cloud dropped = colored(recording);  // the same colours, without colouring again
+  EXPECT_LT(dropped.positions.cols(), marked.positions.cols());
+  EXPECT_EQ(static_cast<Index>(saveColored(recording, params_, scratch_ / "dropped.ply", {})),
+            dropped.positions.cols());
+  params_.colorize.moving = Moving::kKeep;
+  EXPECT_EQ(coloredFields(recording, params_).back().name, "color_stddev");
+}
+
 TEST_F(Colorize, ReasonsAddUpToAllPoints) {
   const Recording recording = record("r", {5, 15, 60}, 0.1, {{0, 0, 2}}, 5);
   const ColorizeSummary summary = colorize(recording, params_, {});

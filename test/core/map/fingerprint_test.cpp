@@ -52,6 +52,7 @@ TEST_F(Fingerprint, EachParameterReachesTheFilesThatItChanges) {
   params_.colorize.num_threads = 7;
   params_.colorize.memory_limit = 300;
   params_.colorize.uncolored = Uncolored::kFill;
+  params_.colorize.moving = Moving::kDrop;
   params_.record.scan_resolution = 1;  // of scans that are recorded from now on
   EXPECT_EQ(keysOf(recording).alignment, before.alignment);
   EXPECT_EQ(keysOf(recording).colors, before.colors);

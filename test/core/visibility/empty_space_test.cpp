@@ -63,7 +63,7 @@ TEST(RangePanorama, RefusesASenselessResolution) {
 
 TEST(EmptySpace, EndsShortOfTheNearestReturnAround) {
   EmptySpace space;
-  space.add(rangesOf(roomWithBox(20, 5)), kHere);
+  space.add({rangesOf(roomWithBox(20, 5)), kHere});
   EXPECT_TRUE(space.contains({4.6F, 0, 0}));     // in front of the box
   EXPECT_FALSE(space.contains({4.9F, 0, 0}));    // within the margin
   EXPECT_FALSE(space.contains({12, 0, 0}));      // behind the box
@@ -96,7 +96,7 @@ TEST(EmptySpace, AgreesWithTheRoomInEveryDirection) {
   EmptySpace space;
   Eigen::Isometry3f sensor_from_camera(Eigen::AngleAxisf(0.7F, Eigen::Vector3f(1, 2, 3).normalized()));
   sensor_from_camera.translation() << 0.3F, -0.2F, 0.5F;
-  space.add(rangesOf(roomWithBox(20, 20)), sensor_from_camera);
+  space.add({rangesOf(roomWithBox(20, 20)), sensor_from_camera});
   std::mt19937 random(1);
   std::uniform_real_distribution<float> angle(-3.14F, 3.14F), up(-0.45F, 0.45F), range(1, 30);
   for (int i = 0; i < 10000; ++i) {
@@ -109,9 +109,9 @@ TEST(EmptySpace, AgreesWithTheRoomInEveryDirection) {
 
 TEST(EmptySpace, AScanThatSawSomethingThereObjects) {
   EmptySpace space;
-  space.add(rangesOf(roomWithBox(20, 20)), kHere);
+  space.add({rangesOf(roomWithBox(20, 20)), kHere});
   EXPECT_TRUE(space.contains({5.2F, 0, 0}));
-  space.add(rangesOf(roomWithBox(20, 5)), kHere);
+  space.add({rangesOf(roomWithBox(20, 5)), kHere});
   EXPECT_FALSE(space.contains({5.2F, 0, 0}));
   EXPECT_TRUE(space.contains({0, 5.2F, 0}));
 }
@@ -122,7 +122,7 @@ TEST(EmptySpace, WhatWasNotThereNeitherHidesNorIsSeen) {
   Eigen::Isometry3f sensor_from_camera = kHere;
   sensor_from_camera.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   auto space = std::make_shared<EmptySpace>();
-  space->add(rangesOf(roomWithBox(10, 10)), sensor_from_camera);
+  space->add({rangesOf(roomWithBox(10, 10)), sensor_from_camera});
   Points ghost(3, 1);
   ghost << 0, 0, 3;
   const Surfels surfel{Eigen::Vector3f(0, 0, -1), Eigen::VectorXf::Constant(1, 0.5F), Eigen::VectorXf::Zero(1)};
