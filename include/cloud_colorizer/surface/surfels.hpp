@@ -19,7 +19,7 @@ struct SurfelParams {
 struct Surfels {
   Eigen::Matrix3Xf normals;  ///< unit, sign arbitrary; zero where the neighbourhood is no plane (poles, leaves)
   Eigen::VectorXf radii;     ///< m; the discs of neighbours just close the surface; negative: of something that moved,
-                          ///< which hides and is seen only where a scan of the moment confirms it
+                             ///< which hides and is seen only where a scan of the moment confirms it
   /// m along the normal from the point to the surface through its neighbours: a scanned wall is a slab some
   /// centimetres thick, and its points would hide one another. Empty counts as zeros.
   Eigen::VectorXf offsets;

@@ -75,7 +75,9 @@ cv::Mat1w emptyRanges(const cv::Mat1w& panorama) {
 }
 
 PlacedScan::PlacedScan(std::shared_ptr<const ScanRanges> ranges, const Eigen::Isometry3f& sensor_from_frame)
-    : ranges_(std::move(ranges)), rotation_(sensor_from_frame.linear()), translation_(sensor_from_frame.translation()) {}
+    : ranges_(std::move(ranges)),
+      rotation_(sensor_from_frame.linear()),
+      translation_(sensor_from_frame.translation()) {}
 
 ScanEvidence PlacedScan::at(const Eigen::Vector3f& place) const {
   const Eigen::Vector3f direction = inSensor(place);

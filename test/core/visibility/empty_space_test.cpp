@@ -30,8 +30,8 @@ Eigen::Matrix3Xd roomWithBox(double room, double box, double step_degrees = 0.25
   return positions;
 }
 
-std::shared_ptr<const cv::Mat1w> rangesOf(const Eigen::Matrix3Xd& positions) {
-  return std::make_shared<const cv::Mat1w>(emptyRanges(makeRangePanorama(positions, 0.5, 0)));
+PlacedScan scanOf(const Eigen::Matrix3Xd& positions, const Eigen::Isometry3f& sensor_from_camera) {
+  return {std::make_shared<const ScanRanges>(scanRanges(makeRangePanorama(positions, 0.5, 0))), sensor_from_camera};
 }
 
 TEST(RangePanorama, OfNothingKnowsNothing) {
@@ -63,7 +63,7 @@ TEST(RangePanorama, RefusesASenselessResolution) {
 
 TEST(EmptySpace, EndsShortOfTheNearestReturnAround) {
   EmptySpace space;
-  space.add({rangesOf(roomWithBox(20, 5)), kHere});
+  space.add(scanOf(roomWithBox(20, 5), kHere));
   EXPECT_TRUE(space.contains({4.6F, 0, 0}));     // in front of the box
   EXPECT_FALSE(space.contains({4.9F, 0, 0}));    // within the margin
   EXPECT_FALSE(space.contains({12, 0, 0}));      // behind the box
@@ -77,10 +77,8 @@ TEST(EmptySpace, EndsShortOfTheNearestReturnAround) {
 }
 
 TEST(EmptySpace, UncoversWhatItMeasuredBehindWhatItLookedThrough) {
-  const cv::Mat1w panorama = makeRangePanorama(roomWithBox(20, 10), 0.5, 0);
   EmptySpace space;
-  space.add(std::make_shared<const cv::Mat1w>(emptyRanges(panorama)), kHere,
-            std::make_shared<const cv::Mat1w>(panorama));
+  space.add(scanOf(roomWithBox(20, 10), kHere));
   const Eigen::Vector3f on_box(10, 0, 0), on_wall(-20, 0, 0), behind_box(20, 0, 0), unknown(0, 0, 12);
   EXPECT_TRUE(space.uncovers(on_box, 9, 0.1F, 0));       // nothing stood a metre before it
   EXPECT_TRUE(space.uncovers(on_wall, 19, 0.1F, 0));     // across the seam of the panorama
@@ -88,15 +86,15 @@ TEST(EmptySpace, UncoversWhatItMeasuredBehindWhatItLookedThrough) {
   EXPECT_FALSE(space.uncovers(behind_box, 15, 0.1F, 0));
   EXPECT_FALSE(space.uncovers(behind_box, 10, 0.1F, 0));
   EXPECT_FALSE(space.uncovers(unknown, 5, 0.1F, 0));
-  space.add(rangesOf(roomWithBox(20, 5)), kHere);  // without what was measured it tells nothing here
-  EXPECT_TRUE(space.uncovers(on_box, 9, 0.1F, 0));
+  space.add(scanOf(roomWithBox(20, 5), kHere));  // which has it otherwise
+  EXPECT_FALSE(space.uncovers(on_box, 9, 0.1F, 0));
 }
 
 TEST(EmptySpace, AgreesWithTheRoomInEveryDirection) {
   EmptySpace space;
   Eigen::Isometry3f sensor_from_camera(Eigen::AngleAxisf(0.7F, Eigen::Vector3f(1, 2, 3).normalized()));
   sensor_from_camera.translation() << 0.3F, -0.2F, 0.5F;
-  space.add({rangesOf(roomWithBox(20, 20)), sensor_from_camera});
+  space.add(scanOf(roomWithBox(20, 20), sensor_from_camera));
   std::mt19937 random(1);
   std::uniform_real_distribution<float> angle(-3.14F, 3.14F), up(-0.45F, 0.45F), range(1, 30);
   for (int i = 0; i < 10000; ++i) {
@@ -109,9 +107,9 @@ TEST(EmptySpace, AgreesWithTheRoomInEveryDirection) {
 
 TEST(EmptySpace, AScanThatSawSomethingThereObjects) {
   EmptySpace space;
-  space.add({rangesOf(roomWithBox(20, 20)), kHere});
+  space.add(scanOf(roomWithBox(20, 20), kHere));
   EXPECT_TRUE(space.contains({5.2F, 0, 0}));
-  space.add({rangesOf(roomWithBox(20, 5)), kHere});
+  space.add(scanOf(roomWithBox(20, 5), kHere));
   EXPECT_FALSE(space.contains({5.2F, 0, 0}));
   EXPECT_TRUE(space.contains({0, 5.2F, 0}));
 }
@@ -122,7 +120,7 @@ TEST(EmptySpace, WhatWasNotThereNeitherHidesNorIsSeen) {
   Eigen::Isometry3f sensor_from_camera = kHere;
   sensor_from_camera.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   auto space = std::make_shared<EmptySpace>();
-  space->add({rangesOf(roomWithBox(10, 10)), sensor_from_camera});
+  space->add(scanOf(roomWithBox(10, 10), sensor_from_camera));
   Points ghost(3, 1);
   ghost << 0, 0, 3;
   const Surfels surfel{Eigen::Vector3f(0, 0, -1), Eigen::VectorXf::Constant(1, 0.5F), Eigen::VectorXf::Zero(1)};

@@ -10,9 +10,9 @@ namespace cloud_colorizer {
 namespace {
 
 /// A scan that measured one range in every direction.
-ScanRanges sphere(double range) {
+PlacedScan sphere(double range) {
   const cv::Mat1w panorama(229, 720, static_cast<std::uint16_t>(256 * range));
-  return {std::make_shared<const cv::Mat1w>(emptyRanges(panorama)), Eigen::Isometry3f::Identity()};
+  return {std::make_shared<const ScanRanges>(scanRanges(panorama)), Eigen::Isometry3f::Identity()};
 }
 
 /// Points along x.
@@ -22,14 +22,13 @@ Points pointsAt(const std::vector<float>& xs) {
   return points;
 }
 
-TEST(ScanRanges, TellsWhatLiesBeforeAtAndBehindAReturn) {
-  const ScanRanges scan = sphere(10);
+TEST(PlacedScan, TellsWhatLiesBeforeAtAndBehindAReturn) {
+  const PlacedScan scan = sphere(10);
   EXPECT_EQ(scan.at({9, 0, 0}), ScanEvidence::kEmpty);
   EXPECT_EQ(scan.at({9.8F, 0, 0}), ScanEvidence::kSurface);
   EXPECT_EQ(scan.at({10.2F, 0, 0}), ScanEvidence::kSurface);
   EXPECT_EQ(scan.at({11, 0, 0}), ScanEvidence::kBehind);
-  const ScanRanges nothing{std::make_shared<const cv::Mat1w>(cv::Mat1w::zeros(229, 720)),
-                           Eigen::Isometry3f::Identity()};
+  const PlacedScan nothing = sphere(0);
   EXPECT_EQ(nothing.at({9, 0, 0}), ScanEvidence::kNothing);
 }
 
