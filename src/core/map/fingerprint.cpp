@@ -96,7 +96,7 @@ bool findsMoving(const Recording& recording, const Params& params) {
 }
 
 std::string movingKey(const Recording& recording, const Params& params) {
-  const std::string asked = line("moving things are found", findsMoving(recording, params));
+  std::string asked = line("moving things are found", findsMoving(recording, params));
   if (!findsMoving(recording, params)) return asked;
   Hash hash;
   for (const Scan& scan : recording.scans()) hash.add(scan.image).add(scan.map_from_sensor.matrix().data(), 16);
