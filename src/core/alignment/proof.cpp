@@ -62,6 +62,13 @@ class Prediction {
   std::vector<float> old_, new_;
 };
 
+Improvements byHalf(std::vector<Errors> (&halves)[2]) {
+  Improvements result{{}, improvement(halves[0]), improvement(halves[1])};
+  halves[0].insert(halves[0].end(), halves[1].begin(), halves[1].end());
+  result.all = improvement(halves[0]);
+  return result;
+}
+
 }  // namespace
 
 Blocks makeBlocks(const Points& points, double side) {
@@ -114,17 +121,6 @@ Improvement improvement(const std::vector<Errors>& errors) {
   result.error = std::sqrt(squares * result.blocks / (result.blocks - 1.0)) / total[2];
   return result;
 }
-
-namespace {
-
-Improvements byHalf(std::vector<Errors> (&halves)[2]) {
-  Improvements result{{}, improvement(halves[0]), improvement(halves[1])};
-  halves[0].insert(halves[0].end(), halves[1].begin(), halves[1].end());
-  result.all = improvement(halves[0]);
-  return result;
-}
-
-}  // namespace
 
 Showing show(const PoseData& data, const Blocks& blocks, const PoseState& state) {
   PoseData without_gains = data;

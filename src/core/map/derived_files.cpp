@@ -166,8 +166,7 @@ void DerivedFiles::writeSurfels(std::size_t tile, const Surfels& surfels) const 
   blob.add(surfels.normals);
   blob.add(surfels.radii);
   blob.add(surfels.offsets);
-  blob.add(surfels.thicknesses.size() == 0 ? Eigen::VectorXf(Eigen::VectorXf::Zero(surfels.radii.size()))
-                                           : surfels.thicknesses);
+  blob.add(surfels.thicknesses);
   blob.save(tileFile(kSurfelsFolder, tile));
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "base/parallel.hpp"
@@ -10,6 +11,7 @@
 #include "map/lru_cache.hpp"
 #include "map/memory_plan.hpp"
 #include "map/stages.hpp"
+#include "recording/tile_range.hpp"
 #include "visibility/moving.hpp"
 
 namespace cloud_colorizer {
@@ -28,13 +30,16 @@ class TilePoints {
             MemoryPlan(memory_limit).surfaces(), [this](std::size_t tile) { return recording_.readPoints(tile); },
             [](const Points& points) { return static_cast<std::size_t>(points.size()) * sizeof(float); }) {}
 
+  std::shared_ptr<const Points> of(std::size_t tile) { return points_.get(tile); }
+
   /// Those of a tile first, then those of the tiles beside it that lie within `margin` [m].
   Points around(std::size_t tile, float margin) {
     const auto own = points_.get(tile);
     Eigen::AlignedBox3f box = recording_.tileBox(tile);
     box.min().array() -= margin, box.max().array() += margin;
     std::vector<Eigen::Vector3f> beside;
-    for (const std::size_t other : neighborsOf(tile)) {
+    for (const std::size_t other : tilesAround(recording_.tiles(), recording_.tileSize(), box.cast<double>())) {
+      if (other == tile || !recording_.tileBox(other).intersects(box)) continue;
       const auto points = points_.get(other);
       for (Eigen::Index i = 0; i < points->cols(); ++i) {
         if (box.contains(points->col(i))) beside.emplace_back(points->col(i));
@@ -47,21 +52,6 @@ class TilePoints {
   }
 
  private:
-  std::vector<std::size_t> neighborsOf(std::size_t tile) const {
-    const std::vector<Tile>& tiles = recording_.tiles();
-    std::vector<std::size_t> neighbors;
-    for (int k = 0; k < 27; ++k) {
-      TileIndex index = tiles[tile].index;
-      index[0] += k % 3 - 1, index[1] += k / 3 % 3 - 1, index[2] += k / 9 - 1;
-      const auto at = std::lower_bound(tiles.begin(), tiles.end(), index,
-                                       [](const Tile& a, const TileIndex& wanted) { return a.index < wanted; });
-      if (k != 13 && at != tiles.end() && at->index == index) {
-        neighbors.push_back(static_cast<std::size_t>(at - tiles.begin()));
-      }
-    }
-    return neighbors;
-  }
-
   const Recording& recording_;
   LruCache<Points> points_;
 };
@@ -112,9 +102,8 @@ void makeSurfels(Workspace& work, const Callbacks& callbacks) {
   parallelFor(work.params().colorize.num_threads, recording.tiles().size(), [&](std::size_t tile) {
     const bool todo = !files.hasSurfels(tile);
     if (todo) {
-      const Points points = recording.readPoints(tile);
       Surfels surfels = surfelsOfTile(recording, tile, source, work.params().surfels);
-      clearPath(recording, tile, work.params().depth.clear_radius, points, surfels);
+      clearPath(recording, tile, work.params().depth.clear_radius, *source.of(tile), surfels);
       if (findsMoving(recording, work.params())) markMoving(files.readMoving(tile), surfels);
       files.writeSurfels(tile, surfels);
     }

@@ -109,7 +109,8 @@ class Estimator {
     for (std::size_t cell = 0; cell < level.size(); ++cell) {
       if (!isOpen(level, cell)) continue;
       neighbors.moveTo(cell);
-      if (isThin(level, neighbors, settled)) closeThin(level, cell, neighbors, settled);
+      const Settled around = settledAround(neighbors, settled);
+      if (around.count > kThinShare * countAround(level, neighbors)) closeThin(level, cell, around);
       takeAll(level, cell, neighbors, patches);
     }
   }
@@ -131,25 +132,25 @@ class Estimator {
     return std::any_of(states_.begin() + level.begin(cell), states_.begin() + level.end(cell), open);
   }
 
-  static bool isThin(const CellLevel& level, const CellNeighbors& neighbors, const std::vector<Settled>& settled) {
-    float flat = 0, all = 0;
-    for (const auto& neighbor : neighbors) {
-      flat += settled[neighbor.cell].count;
-      all += level.moments(neighbor.cell).count;
-    }
-    return flat > kThinShare * all;
-  }
-
-  /// Where the map is thin, what is not flat is structure: it keeps the best patch so far, if it is near enough, and is
-  /// not thicker than the map is around.
-  void closeThin(const CellLevel& level, std::size_t cell, const CellNeighbors& neighbors,
-                 const std::vector<Settled>& settled) {
+  static Settled settledAround(const CellNeighbors& neighbors, const std::vector<Settled>& settled) {
     Settled all;
     for (const auto& neighbor : neighbors) {
       all.count += settled[neighbor.cell].count;
       all.variance += settled[neighbor.cell].variance;
     }
-    const float thickness = std::sqrt(all.variance / all.count);
+    return all;
+  }
+
+  static float countAround(const CellLevel& level, const CellNeighbors& neighbors) {
+    float count = 0;
+    for (const auto& neighbor : neighbors) count += level.moments(neighbor.cell).count;
+    return count;
+  }
+
+  /// Where the map is thin, what is not flat is structure: it keeps the best patch so far, if it is near enough, and is
+  /// not thicker than the map is around.
+  void closeThin(const CellLevel& level, std::size_t cell, const Settled& around) {
+    const float thickness = std::sqrt(around.variance / around.count);
     for (std::uint32_t i = level.begin(cell); i < level.end(cell); ++i) {
       State& state = states_[i];
       if (!state.open || state.first < 0 || state.line_width >= 0) continue;

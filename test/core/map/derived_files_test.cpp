@@ -20,7 +20,8 @@ class DerivedFilesTest : public ::testing::Test {
  protected:
   DerivedFilesTest() : files_(record()) {
     for (const char* folder : {"surfels", "depth", "colored", "alignment", "damaged_images"}) files_.claim(folder, "k");
-    surfels_ = {Eigen::Matrix3Xf::Random(3, 7), Eigen::VectorXf::Random(7), Eigen::VectorXf::Random(7)};
+    surfels_ = {Eigen::Matrix3Xf::Random(3, 7), Eigen::VectorXf::Random(7), Eigen::VectorXf::Random(7),
+                Eigen::VectorXf::Random(7)};
     image_.depth = cv::Mat1f(5, 4, 3.F);
     image_.edge = cv::Mat1b(5, 4, std::uint8_t{0});
     image_.edge(2, 3) = 255;
@@ -69,6 +70,7 @@ TEST_F(DerivedFilesTest, ReadBackWhatWasWritten) {
   EXPECT_TRUE(files_.hasSurfels(0) && files_.hasDepth(2) && files_.hasColors(0));
   EXPECT_EQ(files_.readSurfels(0).normals, surfels_.normals);
   EXPECT_EQ(files_.readSurfels(0).offsets, surfels_.offsets);
+  EXPECT_EQ(files_.readSurfels(0).thicknesses, surfels_.thicknesses);
   const DepthImage image = files_.readDepth(2);
   EXPECT_EQ(cv::countNonZero(image.depth != image_.depth) + cv::countNonZero(image.edge != image_.edge), 0);
   EXPECT_EQ(image.cell_size, 2);
