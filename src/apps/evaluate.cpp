@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// evaluate tables|ablations|heldout|score|visibility ...: the paper's tables, and scores of any result.
+/// evaluate tables|ablations|heldout|score|visibility|visible ...: the paper's tables, and scores of any result.
 #include <cstdio>
 #include <map>
 #include <string>
@@ -19,6 +19,7 @@ const char* const kHelp =
     "  heldout     scores a recording by the images that were left out\n"
     "  score       compares two coloured clouds\n"
     "  visibility  scores a map of the simulated street against the true line of sight\n"
+    "  visible     what a camera certainly saw: the share that got a colour\n"
     "\n"
     "`evaluate COMMAND --help` tells more. Exit codes: 0 done, 1 failed, 2 bad command line.\n";
 
@@ -26,11 +27,12 @@ const char* const kHelp =
 
 int main(int argc, char** argv) {
   using namespace cloud_colorizer;
-  const std::map<std::string, int (*)(int, char**)> commands = {{"tables", runTables},
-                                                                {"ablations", runAblations},
-                                                                {"heldout", runHeldout},
-                                                                {"score", runScore},
-                                                                {"visibility", runVisibility}};
+  const std::map<std::string, int (*)(int, char**)> commands = {
+#ifdef CLOUD_COLORIZER_ROS
+      {"visible", runVisible},
+#endif
+      {"tables", runTables},   {"ablations", runAblations},  {"heldout", runHeldout},
+      {"score", runScore},     {"visibility", runVisibility}};
   const std::string command = argc > 1 ? argv[1] : "";
   if (command == "--help" || command == "-h") {
     std::fputs(kHelp, stdout);

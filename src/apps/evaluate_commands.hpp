@@ -11,5 +11,6 @@ int runAblations(int argc, char** argv);
 int runHeldout(int argc, char** argv);
 int runScore(int argc, char** argv);
 int runVisibility(int argc, char** argv);
+int runVisible(int argc, char** argv);
 
 }  // namespace cloud_colorizer

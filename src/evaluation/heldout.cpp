@@ -45,6 +45,12 @@ ColoredMap colorMap(const Recording& training, const HeldoutParams& params, Meth
   return map;
 }
 
+/// Of all points of the map.
+std::string coloredShare(const ColoredMap& map) {
+  const auto colored = std::count(map.colored.begin(), map.colored.end(), 1);
+  return formatNumber(static_cast<double>(colored) / static_cast<double>(map.colored.size()), 4);
+}
+
 /// The views of a recording that maps were coloured without, and the maps.
 class Heldout {
  public:
@@ -74,6 +80,7 @@ class Heldout {
     });
     HeldoutResult result;
     result.methods.header = result.views.header = HeldoutErrors::header();
+    result.methods.header.emplace_back("colored_share");
     result.views.header.insert(result.views.header.begin(), "view");
     for (std::size_t m = 0; m < maps_.size(); ++m) {
       HeldoutErrors all;
@@ -83,7 +90,9 @@ class Heldout {
         row.insert(row.begin(), std::to_string(views_[h]));
         result.views.add(row);
       }
-      result.methods.add(all.cells(maps_[m].method));
+      std::vector<std::string> row = all.cells(maps_[m].method);
+      row.push_back(coloredShare(maps_[m]));
+      result.methods.add(row);
     }
     return result;
   }
@@ -152,7 +161,11 @@ class Heldout {
     const std::vector<std::uint8_t> moved = movedPoints(*median_, seen, params_.moved_error);
     std::vector<HeldoutErrors> errors;
     SeenImage own;
-    for (const ColoredMap& map : maps_) errors.push_back(compare(map, view, seen, moved, own));
+    const std::vector<Index> measured = view.measured(points());
+    for (const ColoredMap& map : maps_) {
+      errors.push_back(compare(map, view, seen, moved, own));
+      errors.back().countMeasured(map, measured);
+    }
     const ColoredMap& last = maps_.back();
     std::vector<std::uint8_t> colored;
     for (const Index p : own.points) colored.push_back(last.colored[static_cast<std::size_t>(p)]);

@@ -55,14 +55,21 @@ void HeldoutErrors::add(const HeldoutErrors& other) {
   visible += other.visible;
   colored += other.colored;
   moved += other.moved;
+  measured += other.measured;
+  measured_colored += other.measured_colored;
   seam += other.seam;
   seam_pairs += other.seam_pairs;
+}
+
+void HeldoutErrors::countMeasured(const ColoredMap& map, const std::vector<Index>& at) {
+  measured += at.size();
+  for (const Index p : at) measured_colored += map.colored[static_cast<std::size_t>(p)];
 }
 
 std::vector<std::string> HeldoutErrors::header() {
   return splitAt(
       "method,points,mean,median,mean_with_gain,median_with_gain,mean_given_pose,mean_trimmed,mean_refined_pose,"
-      "median_refined_pose,psnr,coverage,seam_step,moved_percent",
+      "median_refined_pose,psnr,coverage,seam_step,moved_percent,visible_recall",
       ',');
 }
 
@@ -84,7 +91,8 @@ std::vector<std::string> HeldoutErrors::cells(const std::string& method) const {
           formatNumber(10 * std::log10(255 * 255 / mse), 2),
           formatNumber(share(colored, visible), 4),
           formatNumber(seam / static_cast<double>(seam_pairs), 3),
-          formatNumber(100 * share(moved, colored), 2)};
+          formatNumber(100 * share(moved, colored), 2),
+          measured == 0 ? "-" : formatNumber(share(measured_colored, measured), 4)};
 }
 
 Values predict(const ColoredMap& map, const SeenImage& seen, bool with_gain) {

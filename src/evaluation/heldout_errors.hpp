@@ -26,10 +26,12 @@ struct HeldoutErrors {
   std::vector<float> raw, after_gain, given, trimmed, refined;  ///< mean over the channels, by point
   double squares = 0;                                           ///< sum over points and channels, after the gain
   std::size_t visible = 0, colored = 0, moved = 0;
+  std::size_t measured = 0, measured_colored = 0;  ///< points that a scan of the moment hit, in the image
   double seam = 0;
   std::size_t seam_pairs = 0;
 
   void add(const HeldoutErrors& other);
+  void countMeasured(const ColoredMap& map, const std::vector<Eigen::Index>& points);
   static std::vector<std::string> header();  ///< "method", and what cells() tells
   std::vector<std::string> cells(const std::string& method) const;
 };

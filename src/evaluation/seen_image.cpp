@@ -16,8 +16,30 @@ Eigen::Vector3f valueAt(const cv::Mat3b& image, const Eigen::Vector2f& pixel) {
 }
 
 constexpr float kSaturated = 250;
+constexpr float kRangeShare = 0.01F;  // by which a point's range and the measured one may differ
 
 }  // namespace
+
+std::optional<Eigen::Vector2f> HeldoutView::pixelOf(const Eigen::Vector3f& point) const {
+  const auto border = static_cast<float>(kImageBorder);
+  const auto right = static_cast<float>(image.cols - 1) - border, bottom = static_cast<float>(image.rows - 1) - border;
+  const auto pixel = camera.project(point);
+  if (!pixel || pixel->x() < border || pixel->y() < border || pixel->x() > right || pixel->y() > bottom) return {};
+  if (mask.empty()) return pixel;
+  if (mask.at<std::uint8_t>(cv::Point(cvRound(pixel->x()), cvRound(pixel->y()))) == 0) return {};
+  return pixel;
+}
+
+std::vector<Index> HeldoutView::measured(PointsRef points) const {
+  std::vector<Index> found;
+  if (!empty_space) return found;
+  const Eigen::Isometry3f camera_from_map = view.map_from_camera.inverse().cast<float>();
+  for (Index p = 0; p < points.cols(); ++p) {
+    const Eigen::Vector3f local = camera_from_map * points.col(p);
+    if (pixelOf(local) && empty_space->measured(local, kRangeShare)) found.push_back(p);
+  }
+  return found;
+}
 
 SeenImage HeldoutView::at(PointsRef points, const Surfels& surfels, const Params& params) const {
   const Eigen::Isometry3f camera_from_map = view.map_from_camera.inverse().cast<float>();
@@ -25,15 +47,12 @@ SeenImage HeldoutView::at(PointsRef points, const Surfels& surfels, const Params
   splatter.add(points, surfels);
   const DepthImage depth = splatter.finish();
   SeenImage seen;
-  const auto border = static_cast<float>(kImageBorder);
-  const auto right = static_cast<float>(image.cols - 1) - border, bottom = static_cast<float>(image.rows - 1) - border;
   std::vector<Eigen::Vector3f> values;
   for (Index p = 0; p < points.cols(); ++p) {
     const Eigen::Vector3f local = camera_from_map * surfels.onSurface(p, points.col(p));
     if (local.z() <= 0 || local.norm() > static_cast<float>(params.depth.max_view_distance)) continue;
-    const auto pixel = camera.project(camera_from_map * points.col(p));
-    if (!pixel || pixel->x() < border || pixel->y() < border || pixel->x() > right || pixel->y() > bottom) continue;
-    if (!mask.empty() && mask.at<std::uint8_t>(cv::Point(cvRound(pixel->x()), cvRound(pixel->y()))) == 0) continue;
+    const auto pixel = pixelOf(camera_from_map * points.col(p));
+    if (!pixel) continue;
     const Eigen::Vector3f normal = camera_from_map.linear() * surfels.normals.col(p);
     if (depth.test(*pixel, local, normal, surfels.radii[p], params.depth, surfels.thickness(p)) != Visibility::kVisible)
       continue;

@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "cloud_colorizer/camera/view.hpp"
@@ -32,8 +33,14 @@ struct HeldoutView {
 
   /// All points that it sees clearly from its own pose, whatever their colour.
   SeenImage at(PointsRef points, const Surfels& surfels, const Params& params) const;
+  /// The points in the image that the scan of its moment hit, so that they were certainly in sight.
+  std::vector<Eigen::Index> measured(PointsRef points) const;
   /// The points that were seen, where the image shows them from another pose.
   SeenImage from(const Eigen::Isometry3d& map_from_camera, PointsRef points, const SeenImage& seen) const;
+
+ private:
+  /// Of a point in the camera's frame; nothing beside the usable image, and where the mask forbids it.
+  std::optional<Eigen::Vector2f> pixelOf(const Eigen::Vector3f& point) const;
 };
 
 }  // namespace cloud_colorizer

@@ -229,7 +229,7 @@ struct Collector::Impl {
     const bool recorded_before = recorder->recognizeCloud(source);
     if (!recorded_before) countPoints(recorder->addCloud(cloud, map_from_sensor, source));
     recorder->addScan(frame, source.stamp, cloud.positions, map_from_sensor);
-    if (events.cloud_kept) events.cloud_kept(cloud, map_from_sensor);
+    if (events.cloud_kept) events.cloud_kept(cloud, map_from_sensor, source.stamp);
     return recorded_before ? Outcome::kRecordedBefore : Outcome::kKept;
   }
 

@@ -144,7 +144,7 @@ struct ColorizerNode::Impl {
     CollectorEvents events;
     events.log = logLine;
     if (params.node.preview_period > 0) {
-      events.cloud_kept = [this](const Cloud& cloud, const Eigen::Isometry3d& map_from_sensor) {
+      events.cloud_kept = [this](const Cloud& cloud, const Eigen::Isometry3d& map_from_sensor, double) {
         preview.addCloud(cloud, map_from_sensor);
       };
     }

@@ -59,7 +59,7 @@ class RecordingSessionTest : public testing::Test {
   }
 
   bool waitFor(const std::function<bool(const SessionState&)>& condition) {
-    for (int i = 0; i < 2000; ++i) {
+    for (int i = 0; i < 12000; ++i) {
       if (condition(session_->state())) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }

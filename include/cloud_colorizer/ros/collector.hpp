@@ -94,7 +94,7 @@ using SharedBytes = std::shared_ptr<const std::vector<std::uint8_t>>;
 struct CollectorEvents {
   /// Throttled: a kind of warning about a topic comes at most every ten seconds, with the number left out.
   std::function<void(LogLevel, const std::string&)> log;
-  std::function<void(const Cloud&, const Eigen::Isometry3d& map_from_sensor)> cloud_kept;
+  std::function<void(const Cloud&, const Eigen::Isometry3d& map_from_sensor, double stamp)> cloud_kept;
   /// The pose is in the map frame, not relative to the recording's origin.
   std::function<void(std::size_t camera, const View&, const Intrinsics&, const SharedBytes&)> view_kept;
 };

@@ -68,6 +68,8 @@ class EmptySpace {
   /// at `distance` [m] from the camera, and no other scan has it otherwise. `tolerance`: m of range that measurements
   /// may differ by; `tangent`: of the angle of incidence, as a cell of a scan has the nearest of a slanted surface.
   bool uncovers(const Eigen::Vector3f& point, float distance, float tolerance, float tangent) const;
+  /// Whether a scan measured a range to `point` that differs by at most `share` of it: it was there and in sight.
+  bool measured(const Eigen::Vector3f& point, float share) const;
   bool knowsNothing() const { return scans_.empty(); }
   std::size_t numBytes() const;
 

@@ -134,6 +134,14 @@ bool EmptySpace::uncovers(const Eigen::Vector3f& point, float distance, float to
   return measured;
 }
 
+bool EmptySpace::measured(const Eigen::Vector3f& point, float share) const {
+  return std::any_of(scans_.begin(), scans_.end(), [&](const PlacedScan& scan) {
+    const Eigen::Vector3f place = scan.inSensor(point);
+    const float range = place.norm();
+    return std::abs(range - scan.measuredAt(place)) <= share * range;
+  });
+}
+
 std::size_t EmptySpace::numBytes() const {
   std::size_t bytes = 0;
   for (const PlacedScan& scan : scans_) bytes += scan.numBytes();

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "apps/bag_recording.hpp"
+
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/recording/recorder.hpp"
+#include "cloud_colorizer/ros/bag_source.hpp"
+#include "cloud_colorizer/ros/params.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+CollectorParams collectorParams(const CommandLine& line, const Rig& rig) {
+  CollectorParams params;
+  params.record = line.params.record;
+  if (!rig.map_frame.empty()) params.map_frame = rig.map_frame;
+  params.cameras.clear();
+  for (const RigCamera& camera : rig.cameras) params.cameras.push_back(camera.params);
+  std::map<std::string, std::string> texts = line.others;
+  try {
+    takeCollectorParams(texts, params);
+    params.check();
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+  require<UsageError>(texts.empty(), "unknown parameter ", texts.empty() ? "" : texts.begin()->first, "; there are ",
+                      rig.cameras.size(), " cameras");
+  return params;
+}
+
+}  // namespace
+
+const OptionSpec kConfigOption = {
+    "config", "FILE", "rig file: which topic is what; without it a bag that can be read in one way only is understood",
+    false};
+
+void recordBags(const CommandLine& line, const std::vector<std::string>& bags, const std::string& directory,
+                CollectorEvents events, const Callbacks& callbacks) {
+  BagSource source(bags);
+  const Rig rig = line.has("config") ? readRig(line.option("config"), source.topics()) : guessRig(source.topics());
+  callbacks.log(LogLevel::kInfo, describeRig(rig));
+  const CollectorParams params = collectorParams(line, rig);
+  Recorder recorder(directory, params.map_frame, params.record);
+  events.log = callbacks.log;
+  Collector collector(recorder, params, std::move(events));
+  source.play(rig, params.tf_wait, collector, callbacks);
+  recorder.flush();
+  callbacks.log(LogLevel::kInfo, collector.stats().describe());
+}
+
+}  // namespace cloud_colorizer
