@@ -17,8 +17,11 @@ def main(folder):
             failed += 1
             continue
         for case in cases:
-            if any(case.find(kind) is not None for kind in ("failure", "error")):
+            problems = case.findall("failure") + case.findall("error")
+            if problems:
                 print(f"FAILED  {path.stem}: {case.get('classname')}.{case.get('name')}", file=sys.stderr)
+                for problem in problems:
+                    print(problem.get("message", "").rstrip(), file=sys.stderr)
                 failed += 1
             elif case.find("skipped") is None and case.get("status") != "notrun":
                 passed += 1

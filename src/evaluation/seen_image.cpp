@@ -23,7 +23,7 @@ constexpr float kRangeShare = 0.01F;  // by which a point's range and the measur
 std::optional<Eigen::Vector2f> HeldoutView::pixelOf(const Eigen::Vector3f& point) const {
   const auto border = static_cast<float>(kImageBorder);
   const auto right = static_cast<float>(image.cols - 1) - border, bottom = static_cast<float>(image.rows - 1) - border;
-  const auto pixel = camera.project(point);
+  auto pixel = camera.project(point);
   if (!pixel || pixel->x() < border || pixel->y() < border || pixel->x() > right || pixel->y() > bottom) return {};
   if (mask.empty()) return pixel;
   if (mask.at<std::uint8_t>(cv::Point(cvRound(pixel->x()), cvRound(pixel->y()))) == 0) return {};

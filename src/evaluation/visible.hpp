@@ -4,6 +4,7 @@
 /// Of what was certainly seen, the share that got a colour.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <memory>
 #include <string>
 

@@ -227,7 +227,7 @@ TEST_F(NodeTest, RawImagesColourPublishAndSave) {
   EXPECT_EQ(map->header.frame_id, "map");
   std::vector<std::string> names;
   for (const auto& field : map->fields) names.push_back(field.name);
-  EXPECT_EQ(names, (Args{"x", "y", "z", "intensity", "rgb", "view_count", "color_stddev"}));
+  EXPECT_EQ(names, (Args{"x", "y", "z", "intensity", "rgb", "view_count", "color_stddev", "moving"}));
   expectColouredWalls(cloudFromMessage(*map));
   EXPECT_TRUE(waitFor([&] { return last_status_.colored_points > 1000; }));
 
