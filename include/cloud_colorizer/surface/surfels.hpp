@@ -23,8 +23,8 @@ struct Surfels {
   /// m along the normal from the point to the surface through its neighbours: a scanned wall is a slab some
   /// centimetres thick, and its points would hide one another. Empty counts as zeros.
   Eigen::VectorXf offsets;
-  /// m, standard deviation of the neighbours about that surface: half of how thick the slab is, where the range noise,
-  /// the drift of the poses or leaves made it so. Empty counts as zeros.
+  /// m, standard deviation by which surfaces through parts of the neighbours would differ: what averaging leaves of the
+  /// range noise, the layers that drift of the poses makes, the depth of leaves. Empty counts as zeros.
   Eigen::VectorXf thicknesses{};
 
   /// The point moved onto the surface.

@@ -29,6 +29,12 @@ struct DepthParams {
 /// kAbsent: the scan of that moment saw through the place, so that nothing was there.
 enum class Visibility { kHidden, kAbsent, kEdge, kVisible };
 
+/// What a view has of a point.
+struct Sight {
+  Visibility visibility = Visibility::kHidden;
+  float support = -1;  ///< from 1, on the surface that is seen or before it, by 0, as far behind as is allowed, to -1
+};
+
 /// Distance from the camera's centre to the nearest surface [m], on a grid of cells; +infinity where there is none.
 /// (The distance and not z: then a fisheye may see behind its image plane.) Where a surface is slanted, a cell holds
 /// the nearest that is in it. Holes of one cell between surfels are closed.
@@ -41,8 +47,12 @@ struct DepthImage {
 
   /// Of a point at pixel (u, v); point [m] and surfel normal (or zero) in the camera's frame, surfel radius and
   /// thickness [m].
+  Sight look(const Eigen::Vector2f& pixel, const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float radius,
+             const DepthParams& params, float thickness = 0) const;
   Visibility test(const Eigen::Vector2f& pixel, const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
-                  float radius, const DepthParams& params, float thickness = 0) const;
+                  float radius, const DepthParams& params, float thickness = 0) const {
+    return look(pixel, point, normal, radius, params, thickness).visibility;
+  }
 
  private:
   float slope(int row, int col) const;

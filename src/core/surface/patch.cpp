@@ -26,6 +26,7 @@ Patch fitPlane(const Moments& moments) {
   if (!(variance[2] > 0)) return patch;
   patch.width = std::sqrt(variance[1]);
   patch.density = moments.count / std::sqrt(std::max(kLeastVariance, variance[0]) * variance[1] * variance[2]);
+  patch.variance = variance[0];
   patch.shape = variance[1] > kLine * variance[2] ? Patch::Shape::kSurface : Patch::Shape::kLine;
   if (patch.shape == Patch::Shape::kLine) return patch;
   patch.normal = solver.eigenvectors().col(0);

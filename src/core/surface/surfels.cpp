@@ -24,6 +24,10 @@ constexpr float kFill = 0.4F;          // of the density at the first level: les
 constexpr float kLineWidth = 1.5F;     // of a line's own width, which a surface across lines may be thick
 constexpr float kLineShare = 0.05F;    // of a cell, besides
 constexpr float kThinShare = 0.5F;     // of the points around: where so many are flat at a finer level, the map is thin
+constexpr int kBeyond = 4;             // levels above a flat neighbourhood at which layers beside it are looked for,
+constexpr float kParallel = 0.9F;      // where the normals' cosine is above this
+constexpr float kAveraged = 0.5F;      // of the scatter of points: what is left in a surface through many of them
+constexpr float kBallScatter = 2;      // of the least deviation of points that are no surface
 constexpr float kClosing = 1.1F;       // spacings: discs of 0.71 close a square grid; half as much again if irregular
 constexpr float kAcrossLines = 0.75F;  // of a cell: reaches from scan line to scan line
 constexpr float kSparse = 3;           // lines are sparser across than the mean spacing by at most this factor
@@ -87,12 +91,23 @@ class Estimator {
     }
   }
 
-  const Surfels& surfels() const { return surfels_; }
+  /// Once: with what the layers add to the thicknesses.
+  Surfels finish() {
+    for (std::size_t i = 0; i < states_.size(); ++i) {
+      const auto at = static_cast<Index>(i);
+      if (surfels_.normals.col(at).isZero()) continue;
+      const float own = (states_[i].ratio < kFlat ? kAveraged : 1) * surfels_.thicknesses[at];
+      surfels_.thicknesses[at] = std::sqrt(own * own + states_[i].layers);
+    }
+    return std::move(surfels_);
+  }
 
  private:
   struct State {
     bool open = true;
     std::int8_t first = -1;     ///< level with enough points
+    std::int8_t settled = -1;   ///< level at which it was closed
+    float layers = 0;           ///< m^2, variance of the layers beside its surface
     float ratio = kFlatEnough;  ///< of the best patch so far
     float density = 0;          ///< at the first level, points a cubic cell of the grid
     float line_width = -1;      ///< at the first level where it is a line, m; else negative
@@ -107,11 +122,27 @@ class Estimator {
     CellNeighbors neighbors(level);
     const std::vector<Settled> settled = settledIn(level);
     for (std::size_t cell = 0; cell < level.size(); ++cell) {
+      lookBeyond(level, cell, patches);
       if (!isOpen(level, cell)) continue;
       neighbors.moveTo(cell);
       const Settled around = settledAround(neighbors, settled);
       if (around.count > kThinShare * countAround(level, neighbors)) closeThin(level, cell, around);
       takeAll(level, cell, neighbors, patches);
+    }
+  }
+
+  /// Where poses drift, a wall is several layers, each flat at its own scale. A larger neighbourhood that is flat as
+  /// well has them all: what it scatters more is how far they are apart.
+  void lookBeyond(const CellLevel& level, std::size_t cell, CellPatches& patches) {
+    for (std::uint32_t i = level.begin(cell); i < level.end(cell); ++i) {
+      State& state = states_[i];
+      const int beyond = level.level() - state.settled;
+      if (state.settled < 0 || beyond < 1 || beyond > kBeyond) continue;
+      const Patch& patch = patches.of(cell);
+      if (patch.shape != Patch::Shape::kSurface || !(patch.ratio < kFlat)) continue;
+      if (!(std::abs(patch.normal.dot(surfels_.normals.col(i))) > kParallel)) continue;
+      const float size = sizeOf(level.level()), own = surfels_.thicknesses[i];
+      state.layers = std::max(state.layers, size * size * patch.variance - own * own);
     }
   }
 
@@ -174,6 +205,7 @@ class Estimator {
       takeSurface(i, patch, at, kOwnShare, level.level());
       if (!(state.ratio < kFlat)) takeFromBeside(i, at, neighbors, patches, level.level());
       state.open = !(state.ratio < kFlat) && level.level() < state.first + kMaxGrowth;
+      if (!state.open) state.settled = static_cast<std::int8_t>(level.level());
     }
   }
 
@@ -195,6 +227,7 @@ class Estimator {
     state.line_width = patch.shape == Patch::Shape::kLine ? cell * patch.width : -1;
     // What stands alone hides nothing but its place.
     surfels_.radii[i] = patch.shape == Patch::Shape::kFew ? 0 : kBall * cell;
+    if (patch.shape != Patch::Shape::kFew) surfels_.thicknesses[i] = kBallScatter * cell * std::sqrt(patch.variance);
   }
 
   /// The patch, if it is flatter than the best so far and the point is part of it. `at`: the point, as the patch has
@@ -245,13 +278,14 @@ Surfels estimateSurfels(PointsRef points, Index num_own, const ZOrderGrid& grid,
   Surfels surfels = noSurfels(num_own);
   if (num_own == 0) return surfels;
   const Distinct distinct = distinctPoints(points, grid);
-  const Estimator estimator(distinct, grid, max_level, params);
+  Estimator estimator(distinct, grid, max_level, params);
+  const Surfels all = estimator.finish();
   for (Index i = 0; i < num_own; ++i) {
     const auto from = static_cast<Index>(distinct.of_point[static_cast<std::size_t>(i)]);
-    surfels.normals.col(i) = estimator.surfels().normals.col(from);
-    surfels.radii[i] = estimator.surfels().radii[from];
-    surfels.offsets[i] = estimator.surfels().offsets[from];
-    surfels.thicknesses[i] = estimator.surfels().thicknesses[from];
+    surfels.normals.col(i) = all.normals.col(from);
+    surfels.radii[i] = all.radii[from];
+    surfels.offsets[i] = all.offsets[from];
+    surfels.thicknesses[i] = all.thicknesses[from];
   }
   return surfels;
 }

@@ -18,7 +18,7 @@ constexpr float kMaxShare = 0.3F;        // of the distance: a disc's radius at 
 constexpr float kMinCosine = 0.05F;      // of the incidence; more grazing ones count as this
 constexpr float kThickness = 0.25F;      // of the radius: how far a visible point may lie below the surface
 constexpr float kBallThickness = 0.6F;   // the same without a plane
-constexpr float kSlabDeviations = 2;     // of the thickness, the same
+constexpr float kSlabDeviations = 2.5F;  // of the thickness, the same
 constexpr float kCellSlack = 1.0F;       // cells: a cell holds the nearest of a slanted surface in and just beside it
 constexpr float kRangeShare = 0.01F;     // of the distance: what a scan's range may differ by at least,
 constexpr float kMaxRangeShare = 0.05F;  // and at most
@@ -89,6 +89,11 @@ bool isJump(float before, float first, float second, float after) {
   return std::abs(2 * first - before - second) > least && std::abs(2 * second - after - first) > least;
 }
 
+float supportOf(float behind, float allowed) {
+  const float ratio = std::max(0.0F, behind) / std::max(1e-9F, allowed);
+  return 1 - std::min(2.0F, ratio * ratio);
+}
+
 cv::Mat1b findEdges(const cv::Mat1f& inverse, int guard) {
   cv::Mat1b edge(inverse.size(), 0);
   if (guard <= 0) return edge;
@@ -140,20 +145,22 @@ float DepthImage::slope(int row, int col) const {
   return std::sqrt(across * across + down * down);
 }
 
-Visibility DepthImage::test(const Eigen::Vector2f& pixel, const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
-                            float radius, const DepthParams& params, float thickness) const {
+Sight DepthImage::look(const Eigen::Vector2f& pixel, const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
+                       float radius, const DepthParams& params, float thickness) const {
   const float u = (pixel.x() + 0.5F) / cell_size, v = (pixel.y() + 0.5F) / cell_size;
   if (!(u >= 0 && v >= 0 && u < static_cast<float>(depth.cols) && v < static_cast<float>(depth.rows))) {
-    return Visibility::kHidden;
+    return {};
   }
   const int row = static_cast<int>(v), col = static_cast<int>(u);
-  if (radius < 0 && empty_space && !empty_space->confirms(point)) return Visibility::kAbsent;
+  if (radius < 0 && empty_space && !empty_space->confirms(point)) return {Visibility::kAbsent, -1};
   radius = std::abs(radius);
   const float distance = point.norm(), behind = distance - depth(row, col);
   const float share = static_cast<float>(params.depth_tolerance) * distance;
   const bool ball = normal.isZero();
   const float slack = (ball ? kBallThickness : kThickness) * radius + kSlabDeviations * thickness;
-  if (behind > share + slack) {
+  float allowed = share + slack;
+  bool uncovered = false;
+  if (behind > allowed) {
     // On a slanted surface thickness and the extent of a cell are more along the ray. Both the point's own surface and
     // the one that is seen must be slanted, else a wall would not hide what stands edge-on behind it.
     const float cell = cell_size * pixel_angle * distance;
@@ -161,16 +168,20 @@ Visibility DepthImage::test(const Eigen::Vector2f& pixel, const Eigen::Vector3f&
     const float seen = kCellSlack * cell * seen_tangent + slack * std::sqrt(1 + seen_tangent * seen_tangent);
     const float cosine = ball ? 1.0F : std::min(1.0F, std::max(kMinCosine, std::abs(normal.dot(point)) / distance));
     const float own = kCellSlack * cell * std::sqrt(1 - cosine * cosine) / cosine + slack / cosine;
-    if (!(behind <= share + std::min(own, seen))) {
+    allowed = share + std::min(own, seen);
+    if (!(behind <= allowed)) {
       const float tangent = std::min(kMaxTangent, std::sqrt(1 - cosine * cosine) / cosine);
       const float range =
           distance * std::min(kMaxRangeShare, std::max(kRangeShare, (share + slack / cosine) / distance));
-      if (!empty_space || !empty_space->uncovers(point, depth(row, col), range, tangent)) return Visibility::kHidden;
+      uncovered = empty_space && empty_space->uncovers(point, depth(row, col), range, tangent);
+      if (!uncovered) return {Visibility::kHidden, supportOf(behind, allowed)};
     }
   }
   // A point that is there was splatted itself. So only one that is nearer than all splats can be absent.
-  if (behind < -share - slack && empty_space && empty_space->contains(point)) return Visibility::kAbsent;
-  return edge(row, col) != 0 ? Visibility::kEdge : Visibility::kVisible;
+  if (behind < -share - slack && empty_space && empty_space->contains(point)) {
+    return {Visibility::kAbsent, -1};
+  }
+  return {edge(row, col) != 0 ? Visibility::kEdge : Visibility::kVisible, uncovered ? 1 : supportOf(behind, allowed)};
 }
 
 DepthSplatter::DepthSplatter(const Camera& camera, const Eigen::Isometry3f& camera_from_map, const DepthParams& params,

@@ -16,6 +16,9 @@ namespace {
 
 constexpr float kSaturatedWeight = 0.05F;  // the true value is unknown, only that it is brighter
 constexpr auto kBorder = static_cast<float>(kImageBorder);
+constexpr std::size_t kBeside = 8;  // points before one and after it that are asked what they are to the view,
+constexpr float kReach = 4;         // where they are nearer than this many surfel radii;
+constexpr float kLeastSupport = 0.2F, kLeastBallSupport = -0.2F;  // their mean, else the point is alone
 constexpr float kFullWeightBorder = 20;  // px from the usable border to where an observation counts fully
 
 using Sampler = void (*)(const cv::Mat&, float, float, float*);
@@ -77,17 +80,31 @@ class Looker {
 
   void look(PointsRef points, const Surfels& surfels, const std::vector<PointRun>& runs, BestViews& best,
             ObserveResult& result) {
+    glances_.clear();
     for (const PointRun& run : runs) {
       if (camera_.mayShow(rotation_ * run.center + translation_, run.radius)) {
-        look(points, surfels, run, best, result);
+        look(points, surfels, run, result);
       } else {
         result.stats.outside += static_cast<std::uint64_t>(run.end - run.begin);
       }
     }
+    for (std::size_t g = 0; g < glances_.size(); ++g) {
+      const std::size_t i = glances_[g].point;
+      came(result.unseen[i], decide(g, surfels, best, result.stats));
+    }
   }
 
  private:
-  void look(PointsRef points, const Surfels& surfels, const PointRun& run, BestViews& best, ObserveResult& result) {
+  /// What the view has of a point in its image, before those beside it are asked.
+  struct Glance {
+    std::uint32_t point;
+    Sight sight;
+    Eigen::Vector2f pixel;
+    Eigen::Vector3f position;  ///< m, in the camera's frame
+    float margin;              ///< px, from the image's border
+  };
+
+  void look(PointsRef points, const Surfels& surfels, const PointRun& run, ObserveResult& result) {
     ObserveStats& stats = result.stats;
     for (Eigen::Index i = run.begin; i < run.end; ++i) {
       const Eigen::Vector3f point = rotation_ * surfels.onSurface(i, points.col(i)) + translation_;
@@ -97,8 +114,7 @@ class Looker {
         ++stats.too_far;
         came(result.unseen[static_cast<std::size_t>(i)], Unseen::kTooFar);
       } else {
-        came(result.unseen[static_cast<std::size_t>(i)],
-             lookAt(static_cast<std::size_t>(i), point, surfels, best, stats));
+        glanceAt(static_cast<std::uint32_t>(i), point, surfels, stats);
       }
     }
   }
@@ -106,38 +122,71 @@ class Looker {
   /// A point is told apart by the view that came nearest to colouring it.
   static void came(Unseen& so_far, Unseen now) { so_far = std::min(so_far, now); }
 
-  Unseen lookAt(std::size_t i, const Eigen::Vector3f& point, const Surfels& surfels, BestViews& best,
-                ObserveStats& stats) {
+  void glanceAt(std::uint32_t i, const Eigen::Vector3f& point, const Surfels& surfels, ObserveStats& stats) {
     const auto pixel = camera_.project(point);
     const float margin = pixel ? std::min({pixel->x(), pixel->y(), right_ - pixel->x(), bottom_ - pixel->y()}) : -1;
     if (!pixel || margin < kBorder) {
       ++stats.outside;
-      return Unseen::kOutside;
+      return;
     }
-    const auto at = static_cast<Eigen::Index>(i);
-    const Eigen::Vector3f normal = rotation_ * surfels.normals.col(at);
-    const float radius = surfels.radii[at];
-    const Visibility visibility =
-        view_.depth->test(*pixel, point, normal, radius, depth_params_, surfels.thickness(at));
-    if (visibility == Visibility::kHidden) {
-      ++stats.hidden;
-      best.markHidden(i);
-      return Unseen::kHidden;
+    const Eigen::Vector3f normal = rotation_ * surfels.normals.col(i);
+    const Sight sight = view_.depth->look(*pixel, point, normal, surfels.radii[i], depth_params_, surfels.thickness(i));
+    glances_.push_back({i, sight, *pixel, point, margin});
+  }
+
+  /// What is seen of a surface is seen in patches: one point that seems to be in sight among many that are hidden has
+  /// slipped through. Of those before and after it, which are near where points are in Z-order.
+  bool isAlone(std::size_t g, const Surfels& surfels) const {
+    Support support;
+    for (std::size_t other = g; other > 0 && support.asked < kBeside; --other)
+      ask(g, other - 1, other, surfels, support);
+    support.asked = 0;
+    for (std::size_t other = g + 1; other < glances_.size() && support.asked < kBeside; ++other) {
+      ask(g, other, other - 1, surfels, support);
     }
-    if (visibility == Visibility::kAbsent) {
+    return support.sum <
+           support.count * (surfels.normals.col(glances_[g].point).isZero() ? kLeastBallSupport : kLeastSupport);
+  }
+
+  struct Support {
+    std::size_t asked = 0;
+    float sum = 0, count = 0;
+  };
+  /// A place that holds several points is asked once: `before` was the last that was looked at.
+  void ask(std::size_t g, std::size_t other, std::size_t before, const Surfels& surfels, Support& support) const {
+    const Glance &glance = glances_[g], &beside = glances_[other];
+    if (beside.position == glances_[before].position) return;
+    ++support.asked;
+    const float reach = kReach * std::abs(surfels.radii[glance.point]);
+    if (beside.sight.visibility == Visibility::kAbsent) return;
+    if (!((beside.position - glance.position).squaredNorm() < reach * reach)) return;
+    support.sum += beside.sight.support;
+    support.count += 1;
+  }
+
+  Unseen decide(std::size_t g, const Surfels& surfels, BestViews& best, ObserveStats& stats) {
+    const Glance& glance = glances_[g];
+    const float radius = std::abs(surfels.radii[glance.point]);
+    if (glance.sight.visibility == Visibility::kAbsent) {
       ++stats.absent;
       return Unseen::kAbsent;
     }
-    if (!take(*pixel)) {
+    if (glance.sight.visibility == Visibility::kHidden || isAlone(g, surfels)) {
+      ++stats.hidden;
+      best.markHidden(glance.point);
+      return Unseen::kHidden;
+    }
+    if (!take(glance.pixel)) {
       ++stats.masked;
       return Unseen::kMasked;
     }
-    const bool edge = visibility == Visibility::kEdge;
+    const bool edge = glance.sight.visibility == Visibility::kEdge;
     ++(edge ? stats.edge : stats.seen);
-    const float distance = point.norm();
-    float quality = view_.weight * weight(point, normal, radius, distance, margin);
+    const float distance = glance.position.norm();
+    const Eigen::Vector3f normal = rotation_ * surfels.normals.col(glance.point);
+    float quality = view_.weight * weight(glance.position, normal, radius, distance, glance.margin);
     if (saturated_) quality *= kSaturatedWeight;
-    best.add(i, {view_.id, distance, quality}, values_.data(), edge);
+    best.add(glance.point, {view_.id, distance, quality}, values_.data(), edge);
     return Unseen::kSeen;
   }
 
@@ -185,6 +234,7 @@ class Looker {
   Eigen::Matrix3f rotation_;
   Eigen::Vector3f translation_;
   std::vector<float> values_;
+  std::vector<Glance> glances_;
 };
 
 }  // namespace

@@ -171,18 +171,30 @@ TEST(Surfels, FarOutlierStaysSmall) {
   EXPECT_LT(estimateSurfels(scan.points, kParams).radii[0], 0.5F);
 }
 
-TEST(Surfels, ThicknessIsTheNoiseAlongTheNormal) {
-  for (const float noise : {0.01F, 0.02F}) {
-    std::mt19937 random(5);
-    std::uniform_real_distribution<float> side(-1, 1);
-    std::normal_distribution<float> normal(0, noise);
-    Points points(3, 60000);  // spacing 8 mm: denser than it is thick
-    for (Eigen::Index i = 0; i < points.cols(); ++i) points.col(i) << side(random), side(random), normal(random);
-    const Surfels surfels = estimateSurfels(points, kParams);
-    Eigen::VectorXf sorted = surfels.thicknesses;
-    std::nth_element(sorted.data(), sorted.data() + sorted.size() / 2, sorted.data() + sorted.size());
-    EXPECT_NEAR(sorted[sorted.size() / 2], noise, 0.15F * noise);
+/// A square of side 2 m whose points scatter about their layers, which lie `gap` apart. Their median thickness.
+float thicknessOfLayers(float noise, float gap) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> side(-1, 1);
+  std::normal_distribution<float> normal(0, noise);
+  Points points(3, 60000);  // spacing 8 mm
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    points.col(i) << side(random), side(random), normal(random) + (i % 2 == 0 ? gap : 0);
   }
+  Eigen::VectorXf sorted = estimateSurfels(points, kParams).thicknesses;
+  std::nth_element(sorted.data(), sorted.data() + sorted.size() / 2, sorted.data() + sorted.size());
+  return sorted[sorted.size() / 2];
+}
+
+TEST(Surfels, ThicknessIsWhatAveragingLeavesOfTheNoise) {
+  for (const float noise : {0.01F, 0.02F}) {
+    const float thickness = thicknessOfLayers(noise, 0);
+    EXPECT_GT(thickness, 0.4F * noise);
+    EXPECT_LT(thickness, 0.6F * noise);
+  }
+}
+
+TEST(Surfels, LayersAreHalfTheirGapThick) {
+  for (const float gap : {0.04F, 0.08F}) EXPECT_NEAR(thicknessOfLayers(0.003F, gap), gap / 2, 0.1F * gap);
 }
 
 TEST(Surfels, PointGivenManyTimesIsOnePoint) {
