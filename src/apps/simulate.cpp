@@ -20,6 +20,8 @@ namespace {
 using namespace cloud_colorizer;
 using namespace cloud_colorizer::simulation;
 
+constexpr const char* kDefaultPreset = "vehicle";
+
 CommandSpec simulateSpec() {
   CommandSpec spec;
   spec.program = "simulate";
@@ -34,8 +36,8 @@ CommandSpec simulateSpec() {
   spec.takes_params = false;
   spec.options = {{"output", "DIR", "is made when missing; files of these names in it are replaced", true},
                   {"threads", "N", "0: one a core (0)"}};
-  for (const ParamText& option : describeOptions(Options{})) {
-    const bool is_switch = option.value == "false";
+  for (const ParamText& option : describeOptions(presetOptions(kDefaultPreset))) {
+    const bool is_switch = option.value == "false" || option.value == "true";
     spec.options.push_back({option.name, is_switch ? "" : "VALUE", option.help + " (" + option.value + ")"});
   }
   return spec;
@@ -52,8 +54,9 @@ Arguments argumentsOf(const CommandLine& line) {
   try {
     arguments.threads = line.value("threads", 0);
     requireInRange("threads", arguments.threads, 0, 1024);
+    arguments.options = presetOptions(line.option("preset", kDefaultPreset));
     for (const auto& [name, value] : line.options) {
-      if (name != "output" && name != "threads") setOption(arguments.options, name, value);
+      if (name != "output" && name != "threads" && name != "preset") setOption(arguments.options, name, value);
     }
     arguments.options.check();
   } catch (const std::invalid_argument& error) {

@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kPi = 3.14159265358979;
 constexpr double kDegree = kPi / 180;
+constexpr double kFast = 0.05, kSlow = 1.5;           // s between the knots of a pose's errors
+constexpr double kMostStanding = 0.25;                // of a drive
 constexpr double kLead = 0.5;                         // s of tf before the first scan and after the last one
 constexpr std::int64_t kEpoch = 1600000000000000000;  // ns
 
@@ -28,15 +30,14 @@ Eigen::Isometry3d smallMotion(const Eigen::Vector3d& rotation, const Eigen::Vect
   return alignment::motion((alignment::Twist() << rotation, translation).finished());
 }
 
-/// A smooth random process of mean 0 and standard deviation 1 whose values 0.1 s apart hardly depend on each other.
-double smoothNoise(std::uint64_t key, double time) {
-  constexpr double kKnot = 0.05;    // s
-  constexpr double kWidth = 0.045;  // s
-  const int middle = static_cast<int>(std::floor(time / kKnot));
+/// A smooth random process of mean 0 and standard deviation 1 whose values two knots apart hardly depend on each other.
+double smoothNoise(std::uint64_t key, double time, double knot_time) {
+  const double width = 0.9 * knot_time;
+  const int middle = static_cast<int>(std::floor(time / knot_time));
   double sum = 0;
   double weights = 0;
   for (int knot = middle - 5; knot <= middle + 6; ++knot) {
-    const double x = (time - knot * kKnot) / kWidth;
+    const double x = (time - knot * knot_time) / width;
     const double weight = std::exp(-0.5 * x * x);
     sum += weight * gaussian(keyOf(key, knot));
     weights += weight * weight;
@@ -44,8 +45,28 @@ double smoothNoise(std::uint64_t key, double time) {
   return sum / std::sqrt(weights);
 }
 
-Eigen::Vector3d smoothNoise3(std::uint64_t key, double time) {
-  return {smoothNoise(keyOf(key, 0), time), smoothNoise(keyOf(key, 1), time), smoothNoise(keyOf(key, 2), time)};
+Eigen::Vector3d smoothNoise3(std::uint64_t key, double time, double knot_time) {
+  const auto along = [&](int axis) { return smoothNoise(keyOf(key, axis), time, knot_time); };
+  return {along(0), along(1), along(2)};
+}
+
+/// The way of the vehicle: forth and back, with a stop. Knots of (time, way) that a line joins.
+Motion wayOf(const Options& o) {
+  const double total = o.frames / o.rate, stand = std::min(o.stand, kMostStanding * total);
+  const double leg = (total - stand) / o.passes, way = o.speed * leg;
+  const auto along = [](double x) { return Eigen::Vector3d(x, 0, 0); };
+  Motion motion{{{kLead, along(0)}}};
+  double time = kLead;
+  if (stand > 0) {
+    motion.knots.push_back({time + leg / 2, along(way / 2)});
+    motion.knots.push_back({time + leg / 2 + stand, along(way / 2)});
+    time += stand;
+  }
+  for (int pass = 1; pass <= o.passes; ++pass) {
+    time += leg;
+    motion.knots.push_back({time, along(pass % 2 == 1 ? way : 0)});
+  }
+  return motion;
 }
 
 /// A random direction whose root mean square over the axes is 1: calibrations differ in the kind of error, not in
@@ -121,6 +142,7 @@ DriveCamera makeCamera(const Options& options, std::size_t index) {
 
 Drive::Drive(const Options& options) : options_(options) {
   options_.check();
+  way_ = wayOf(options_);
   for (int i = 0; i < options_.cameras; ++i) cameras_.push_back(makeCamera(options_, static_cast<std::size_t>(i)));
   base_from_lidar_ = poseOf({0.0, 0.0, 1.9}, 0.5 * kDegree, 0.3 * kDegree, -0.2 * kDegree);
 }
@@ -142,7 +164,7 @@ std::int64_t Drive::imageStamp(int camera, int frame) const {
 }
 
 Eigen::Isometry3d Drive::mapFromBase(double time) const {
-  const double x = options_.speed * (time - kLead);
+  const double x = way_.at(time).x();
   // Everything else depends on the way, so that a standing vehicle stands still.
   const double phase = 2 * kPi * x / 31;
   const double y = -1.5 + 0.3 * std::sin(phase) + 0.12 * std::sin(2.7 * phase + 1);
@@ -154,8 +176,9 @@ Eigen::Isometry3d Drive::mapFromBase(double time) const {
 
 Eigen::Isometry3d Drive::mapFromBaseGiven(double time) const {
   const std::uint64_t key = keyOf(options_.seed, 41);
-  return mapFromBase(time) * smallMotion(options_.pose_noise_deg * kDegree * smoothNoise3(keyOf(key, 1), time),
-                                         options_.pose_noise_m * smoothNoise3(keyOf(key, 2), time));
+  return mapFromBase(time) * smallMotion(options_.pose_noise_deg * kDegree * smoothNoise3(keyOf(key, 1), time, kFast),
+                                         options_.pose_noise_m * smoothNoise3(keyOf(key, 2), time, kFast) +
+                                             options_.drift * smoothNoise3(keyOf(key, 3), time, kSlow));
 }
 
 Eigen::Isometry3d Drive::mapFromCamera(int camera, int frame) const {
@@ -173,10 +196,19 @@ Color Drive::gain(int camera, int frame) const {
 
 StreetOptions streetOf(const Options& options) {
   StreetOptions street;
-  const double way = options.speed * options.frames / options.rate;
+  const Motion way_of_vehicle = wayOf(options);
+  double way = 0;
+  for (const Motion::Knot& knot : way_of_vehicle.knots) way = std::max(way, knot.offset.x());
   street.seed = options.seed;
   street.to = std::ceil(way / 5) * 5 + 45;
+  street.leaves = options.leaves;
+  street.pedestrians = options.pedestrians;
   street.moving_car = options.moving_car;
+  if (options.van_ahead > 0) {
+    Motion ahead = way_of_vehicle;
+    for (Motion::Knot& knot : ahead.knots) knot.offset.x() += options.van_ahead;
+    street.van = std::make_shared<const Motion>(std::move(ahead));
+  }
   // It passes the vehicle in the middle of the drive.
   const double middle = kLead + 0.5 * options.frames / options.rate;
   street.car_start = 0.5 * way - street.car_speed * middle;

@@ -53,6 +53,7 @@ class Drive {
 
  private:
   Options options_;
+  Motion way_;
   std::vector<DriveCamera> cameras_;
   Eigen::Isometry3d base_from_lidar_;
 };

@@ -21,7 +21,43 @@ void Options::check() const {
                                  "parameter image-transport = ", image_transport, " must be compressed or raw");
 }
 
+Options presetOptions(const std::string& name) {
+  Options o;
+  o.preset = name;
+  if (name == "clean") return o;
+  require<std::invalid_argument>(name == "vehicle" || name == "cheap", "option --preset = '", name,
+                                 "' must be clean, vehicle or cheap");
+  o.frames = 60;
+  o.passes = 2;
+  o.stand = 1;
+  o.moving_car = true;
+  o.van_ahead = 9;
+  o.pedestrians = 5;
+  o.leaves = 160;
+  o.beam_divergence = 3;
+  o.drift = 0.03;
+  if (name == "vehicle") return o;
+  o.width = 640;
+  o.height = 400;
+  o.pixel_noise = 4;
+  o.exposure = 0.3;
+  o.vignetting = 0.2;
+  o.jpeg_quality = 85;
+  o.beams = 16;
+  o.azimuths = 900;
+  o.range_noise = 0.03;
+  o.pose_noise_deg = 0.12;
+  o.drift = 0.06;
+  o.extrinsic_noise_deg = 0.4;
+  o.extrinsic_noise_m = 0.015;
+  return o;
+}
+
 void setOption(Options& options, const std::string& name, const std::string& text) {
+  if (name == "preset") {
+    options = presetOptions(text);
+    return;
+  }
   bool is_known = false;
   visitOptions(options, [&](const char* known, auto& value, const Range&, const char*) {
     using Value = std::decay_t<decltype(value)>;

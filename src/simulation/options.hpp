@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Everything that defines a simulated drive. The initialisers are the defaults of the program `simulate`.
+/// Everything that defines a simulated drive.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +12,20 @@
 
 namespace cloud_colorizer::simulation {
 
+/// The initialisers are the preset `clean`.
 struct Options {
+  std::string preset = "clean";
   int seed = 1;     ///< of the street and of all noise
   int frames = 40;  ///< LiDAR scans, and images of each camera
   int cameras = 2;
   double rate = 10;         ///< Hz, frames a second
   double speed = 10;        ///< m/s
+  int passes = 1;           ///< of the way, forth and back
+  double stand = 0;         ///< s that the vehicle stands in the middle of its first pass
   bool moving_car = false;  ///< a car comes the other way
+  double van_ahead = 0;     ///< m ahead, where a van drives as the vehicle does; 0: none
+  int pedestrians = 0;
+  int leaves = 0;  ///< of a tree; 0: closed crowns
 
   int width = 1280, height = 800;  ///< px
   double pixel_noise = 2;          ///< standard deviation, of 255
@@ -32,9 +39,11 @@ struct Options {
   int azimuths = 1250;         ///< firings a revolution
   double lidar_range = 60;     ///< m
   double range_noise = 0.015;  ///< m, standard deviation
+  double beam_divergence = 0;  ///< mrad, full angle; what lies in a beam is mixed
 
   double pose_noise_deg = 0.06;       ///< deg, standard deviation an axis, of the vehicle's pose
   double pose_noise_m = 0.008;        ///< m, the same of its position
+  double drift = 0;                   ///< m, standard deviation an axis of the position's slow error
   double extrinsic_noise_deg = 0.12;  ///< deg an axis (root mean square), of each camera's extrinsics
   double extrinsic_noise_m = 0.006;   ///< m, the same of its position
   double time_offset = 0;             ///< s, by which the cameras' stamps are late
@@ -53,13 +62,22 @@ struct Range {
 /// here alone. What is no number has no range.
 template <class Options_, class F>
 void visitOptions(Options_& o, F&& f) {
+  f("preset", o.preset, Range{},
+    "vehicle: as a mapping vehicle's data are; cheap: as a small robot's are; clean: without drift, mixed beams, "
+    "standing and traffic. Sets all others, which may follow");
   f("seed", o.seed, Range{0, 1000000000}, "of the street and of all noise");
   f("frames", o.frames, Range{1, 100000}, "LiDAR scans, and images of each camera");
   f("cameras", o.cameras, Range{1, 6},
     "1 to 6: plumb_bob left, rational_polynomial right, equidistant ahead, and so on");
   f("rate", o.rate, Range{1.0, 100.0}, "Hz, frames a second");
   f("speed", o.speed, Range{0.0, 50.0}, "m/s of the vehicle");
+  f("passes", o.passes, Range{1, 100}, "of the way, forth and back");
+  f("stand", o.stand, Range{0.0, 1000.0},
+    "s that the vehicle stands in the middle of its first pass, a quarter of the drive at most");
   f("moving-car", o.moving_car, Range{}, "a car comes the other way");
+  f("van-ahead", o.van_ahead, Range{0.0, 40.0}, "m ahead, where a van drives as the vehicle does; 0: none");
+  f("pedestrians", o.pedestrians, Range{0, 100}, "on the pavements and across the street");
+  f("leaves", o.leaves, Range{0, 2000}, "of a tree; 0: closed crowns");
   f("width", o.width, Range{16, 8192}, "px of the images");
   f("height", o.height, Range{16, 8192}, "px of the images");
   f("pixel-noise", o.pixel_noise, Range{0.0, 50.0}, "standard deviation of the noise of a pixel, of 255");
@@ -72,13 +90,19 @@ void visitOptions(Options_& o, F&& f) {
   f("azimuths", o.azimuths, Range{1, 10000}, "firings a revolution of the LiDAR");
   f("lidar-range", o.lidar_range, Range{1.0, 500.0}, "m, the farthest return");
   f("range-noise", o.range_noise, Range{0.0, 1.0}, "m, standard deviation of a range");
+  f("beam-divergence", o.beam_divergence, Range{0.0, 20.0},
+    "mrad, full angle: ranges scatter with slant, and mix at edges");
   f("pose-noise-deg", o.pose_noise_deg, Range{0.0, 10.0}, "deg, standard deviation of the vehicle's attitude an axis");
   f("pose-noise-m", o.pose_noise_m, Range{0.0, 1.0}, "m, standard deviation of the vehicle's position an axis");
+  f("drift", o.drift, Range{0.0, 10.0}, "m, standard deviation of the slow error of the position an axis");
   f("extrinsic-noise-deg", o.extrinsic_noise_deg, Range{0.0, 10.0}, "deg, error of the extrinsics an axis");
   f("extrinsic-noise-m", o.extrinsic_noise_m, Range{0.0, 1.0}, "m, error of the extrinsics an axis");
   f("time-offset", o.time_offset, Range{-0.2, 0.2}, "s by which the stamps of the images are late");
   f("voxel-size", o.voxel_size, Range{0.0, 10.0}, "m, of truth.ply; 0 keeps every return");
 }
+
+/// clean, vehicle or cheap. Throws std::invalid_argument on another name.
+Options presetOptions(const std::string& name);
 
 /// Sets one option from text. Throws std::invalid_argument: unknown name, no number.
 void setOption(Options& options, const std::string& name, const std::string& text);

@@ -42,7 +42,7 @@ class Renderer {
         origin_(map_from_camera.translation()),
         time_(time) {
     for (const Solid& solid : scene.solids()) {
-      const Eigen::Vector3d way = solid.sphereCenter() + time * solid.primitive().velocity - origin_;
+      const Eigen::Vector3d way = solid.sphereCenter() + solid.offsetAt(time) - origin_;
       const double distance = way.norm();
       const double radius = solid.sphereRadius();
       const bool is_around = distance <= radius;

@@ -77,10 +77,11 @@ int Scene::build(int first, int count) {
 }
 
 Hit Scene::completeHit(int solid, const LocalHit& local, double time) const {
-  const Primitive& primitive = solids_[static_cast<std::size_t>(solid)].primitive();
+  const Solid& of = solids_[static_cast<std::size_t>(solid)];
+  const Primitive& primitive = of.primitive();
   Hit hit;
   hit.distance = std::abs(local.distance);
-  hit.point = primitive.map_from_local * local.point + time * primitive.velocity;
+  hit.point = primitive.map_from_local * local.point + of.offsetAt(time);
   hit.normal = primitive.map_from_local.linear() * local.normal;
   hit.solid = solid;
   hit.object = primitive.object;
@@ -100,7 +101,9 @@ std::optional<Hit> Scene::castRay(const Eigen::Vector3d& origin, const Eigen::Ve
     best = hit;
     best_solid = index;
   };
-  for (const int mover : movers_) test(mover);
+  if (time != kNothingMoves) {
+    for (const int mover : movers_) test(mover);
+  }
   const Eigen::Vector3d inverse = direction.cwiseInverse();
   std::array<std::pair<int, double>, kStackSize> stack;
   std::size_t size = 0;
@@ -234,8 +237,7 @@ void Scene::buildShadows(int num_threads) {
     for (int column = 0; column < shadows_.width; ++column) {
       const Eigen::Vector3d start(shadows_.corner.x() + column * shadows_.cell,
                                   shadows_.corner.y() + static_cast<double>(row) * shadows_.cell, top);
-      // Long ago, when all that moves was far away: only what stands throws shadows.
-      const auto hit = castRay(shadows_.sun_from_map.transpose() * start, -lighting_.to_sun, -1e9);
+      const auto hit = castRay(shadows_.sun_from_map.transpose() * start, -lighting_.to_sun, kNothingMoves);
       const double highest = hit ? top - hit->distance : box.min().z();
       shadows_.highest[row * static_cast<std::size_t>(shadows_.width) + static_cast<std::size_t>(column)] =
           static_cast<float>(highest);

@@ -33,6 +33,9 @@ struct Hit {
 /// Immutable and safe to use from several threads. Rays cost O(log n) in the number of solids that stand.
 class Scene {
  public:
+  /// A time at which only what stands is there: what throws shadows.
+  static constexpr double kNothingMoves = -std::numeric_limits<double>::infinity();
+
   Scene(std::vector<Primitive> primitives, const Lighting& lighting, int num_threads = 0);
 
   /// The first surface of a ray (unit direction) at `time` [s], nearer than max_distance [m].

@@ -88,13 +88,18 @@ Solid::Solid(Primitive primitive) : primitive_(std::move(primitive)) {
   }
   sphere_center_ = primitive_.map_from_local * local_box_.center();
   sphere_radius_ = primitive_.shape == Shape::kSphere ? primitive_.radius : local_box_.diagonal().norm() / 2;
-  is_moving_ = !primitive_.velocity.isZero();
+}
+
+Eigen::Vector3d Motion::at(double time) const {
+  const auto after =
+      std::find_if(knots.begin() + 1, knots.end() - 1, [&](const Knot& knot) { return time < knot.time; });
+  const Knot &a = *(after - 1), &b = *after;
+  return a.offset + (time - a.time) / (b.time - a.time) * (b.offset - a.offset);
 }
 
 bool Solid::intersect(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double time, double max_distance,
                       LocalHit& hit) const {
-  Eigen::Vector3d offset = origin - primitive_.map_from_local.translation();
-  if (is_moving_) offset -= time * primitive_.velocity;
+  const Eigen::Vector3d offset = origin - primitive_.map_from_local.translation() - offsetAt(time);
   const Eigen::Vector3d o = local_from_map_rotation_ * offset;
   const Eigen::Vector3d d = local_from_map_rotation_ * direction;
   switch (primitive_.shape) {
@@ -170,7 +175,7 @@ bool Solid::intersectSphere(const Eigen::Vector3d& o, const Eigen::Vector3d& d, 
 }
 
 LocalHit Solid::closest(const Eigen::Vector3d& point, double time) const {
-  const Eigen::Vector3d offset = point - primitive_.map_from_local.translation() - time * primitive_.velocity;
+  const Eigen::Vector3d offset = point - primitive_.map_from_local.translation() - offsetAt(time);
   const Eigen::Vector3d p = local_from_map_rotation_ * offset;
   if (primitive_.shape == Shape::kPrism) return closestOnPrism(p);
   if (primitive_.shape == Shape::kCylinder) return closestOnCylinder(p);

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -15,15 +16,26 @@ namespace cloud_colorizer::simulation {
 
 enum class Shape { kPrism, kCylinder, kSphere };
 
+/// How far something that moves is from its place, as a line between knots and beyond them.
+struct Motion {
+  struct Knot {
+    double time;             ///< s, ascending
+    Eigen::Vector3d offset;  ///< m
+  };
+  std::vector<Knot> knots;  ///< at least two
+
+  Eigen::Vector3d at(double time) const;
+};
+
 /// A solid in its own frame. Its faces count 0, 1, ...: of a prism the edges of the profile and then the ends at
 /// -y and +y; of a cylinder side, lower end, upper end.
 struct Primitive {
   Shape shape = Shape::kPrism;
   Eigen::Isometry3d map_from_local = Eigen::Isometry3d::Identity();
-  std::vector<Eigen::Vector2d> profile;                ///< m, prism: convex, counter-clockwise in (x, z)
-  double half_length = 0;                              ///< m, prism: along y; cylinder: along z
-  double radius = 0;                                   ///< m, cylinder and sphere
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< m/s; zero for all that stands
+  std::vector<Eigen::Vector2d> profile;  ///< m, prism: convex, counter-clockwise in (x, z)
+  double half_length = 0;                ///< m, prism: along y; cylinder: along z
+  double radius = 0;                     ///< m, cylinder and sphere
+  std::shared_ptr<const Motion> motion;  ///< null for all that stands
   Material material;
   int object = 0;  ///< parts of one car, tree or house share their object
 };
@@ -42,9 +54,12 @@ class Solid {
   explicit Solid(Primitive primitive);
 
   const Primitive& primitive() const { return primitive_; }
-  bool isMoving() const { return is_moving_; }
-  const Eigen::AlignedBox3d& box() const { return box_; }                 ///< m, map, at time 0
-  const Eigen::Vector3d& sphereCenter() const { return sphere_center_; }  ///< m, map, at time 0
+  bool isMoving() const { return primitive_.motion != nullptr; }
+  Eigen::Vector3d offsetAt(double time) const {
+    return isMoving() ? primitive_.motion->at(time) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  }
+  const Eigen::AlignedBox3d& box() const { return box_; }                 ///< m, map, without its motion
+  const Eigen::Vector3d& sphereCenter() const { return sphere_center_; }  ///< m, map, without its motion
   double sphereRadius() const { return sphere_radius_; }
 
   /// First entry at a distance in (0, max_distance) [m] of a ray of the map (unit direction) at `time` [s]. Rays that
@@ -71,7 +86,6 @@ class Solid {
   Eigen::AlignedBox3d local_box_, box_;
   Eigen::Vector3d sphere_center_;
   double sphere_radius_ = 0;
-  bool is_moving_ = false;
 };
 
 }  // namespace cloud_colorizer::simulation

@@ -55,6 +55,12 @@ const Color& pick(const std::array<Color, N>& colors, std::uint64_t key) {
   return colors[mixBits(key) % N];
 }
 
+constexpr std::uint64_t kVan = 990002;
+
+std::shared_ptr<const Motion> steady(const Eigen::Vector3d& velocity) {
+  return std::make_shared<const Motion>(Motion{{{0, Eigen::Vector3d::Zero()}, {1, velocity}}});
+}
+
 /// Adds parts to the list; every call of next() begins a new object.
 class StreetBuilder {
  public:
@@ -71,8 +77,10 @@ class StreetBuilder {
       addTreesAndSigns(side);
     }
     if (options_.moving_car) {
-      addCar({options_.car_start, 1.55, 0}, kPi, 990001, Eigen::Vector3d(options_.car_speed, 0, 0));
+      addCar({options_.car_start, 1.55, 0}, kPi, 990001, steady({options_.car_speed, 0, 0}));
     }
+    if (options_.van) addCar({0, -1.5, 0}, 0, kVan, options_.van);
+    for (int i = 0; i < options_.pedestrians; ++i) addPedestrian(i);
     return std::move(parts_);
   }
 
@@ -93,7 +101,8 @@ class StreetBuilder {
   void addHouseDetails(int side, double x0, double x1, double front, double height, const Material& wall);
   void addEnds();
   void addParkedCars(int side);
-  void addCar(const Eigen::Vector3d& foot, double yaw, std::uint64_t car, const Eigen::Vector3d& velocity);
+  void addCar(const Eigen::Vector3d& foot, double yaw, std::uint64_t car, const std::shared_ptr<const Motion>& motion);
+  void addPedestrian(int number);
   void addLamps(int side);
   void addTreesAndSigns(int side);
   void addTree(const Eigen::Vector3d& foot, std::uint64_t tree);
@@ -207,18 +216,18 @@ void StreetBuilder::addParkedCars(int side) {
     if (uniform(keyOf(car, 1)) < 0.5) continue;
     const double y = side * (4.05 + uniform(keyOf(car, 2), -0.12, 0.12));
     const double yaw = (side > 0 ? kPi : 0) + uniform(keyOf(car, 3), -0.04, 0.04);
-    addCar({x + uniform(keyOf(car, 4), -0.3, 0.3), y, 0}, yaw, car, Eigen::Vector3d::Zero());
+    addCar({x + uniform(keyOf(car, 4), -0.3, 0.3), y, 0}, yaw, car, nullptr);
   }
 }
 
 void StreetBuilder::addCar(const Eigen::Vector3d& foot, double yaw, std::uint64_t car,
-                           const Eigen::Vector3d& velocity) {
+                           const std::shared_ptr<const Motion>& motion) {
   static const std::array<Color, 9> kPaints = {Color(176, 30, 34),   Color(34, 66, 128),  Color(190, 190, 194),
                                                Color(58, 60, 66),    Color(226, 186, 58), Color(44, 104, 84),
                                                Color(150, 156, 164), Color(214, 118, 48), Color(200, 198, 192)};
   next();
   const Eigen::Isometry3d map_from_car = Eigen::Translation3d(foot) * Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ());
-  const bool is_van = uniform(keyOf(car, 5)) < 0.2;
+  const bool is_van = car == kVan || uniform(keyOf(car, 5)) < 0.2;
   const Color paint = pick(kPaints, keyOf(car, 6));
   const auto addPart = [&](std::vector<Eigen::Vector2d> profile, double half_width, double z, Pattern pattern) {
     Primitive p;
@@ -227,7 +236,7 @@ void StreetBuilder::addCar(const Eigen::Vector3d& foot, double yaw, std::uint64_
     p.map_from_local = map_from_car * Eigen::Translation3d(0, 0, z);
     p.material = materialOf(pattern, paint, car, pattern == Pattern::kCarCabin ? 0.15F : 0.6F);
     p.object = object_;
-    p.velocity = velocity;
+    p.motion = motion;
     add(p);
   };
   const double top = is_van ? 0.45 : 0.28;
@@ -246,10 +255,38 @@ void StreetBuilder::addCar(const Eigen::Vector3d& foot, double yaw, std::uint64_
           uprightCylinder({0, 0, 0}, 0.32, 0.2, materialOf(Pattern::kWheel, Color(34, 34, 36), 0, 0.1F), object_);
       wheel.map_from_local =
           map_from_car * Eigen::Translation3d(x, y, 0.32) * Eigen::AngleAxisd(kPi / 2, Eigen::Vector3d::UnitX());
-      wheel.velocity = velocity;
+      wheel.motion = motion;
       add(wheel);
     }
   }
+}
+
+/// On a pavement, or across the carriageway.
+void StreetBuilder::addPedestrian(int number) {
+  static const std::array<Color, 5> kCoats = {Color(52, 54, 62), Color(150, 40, 44), Color(196, 188, 170),
+                                              Color(40, 70, 120), Color(92, 104, 70)};
+  next();
+  const std::uint64_t walker = key(60, number);
+  const int side = number % 2 == 0 ? 1 : -1;
+  const bool crosses = number % 3 == 2;
+  const double speed = (uniform(keyOf(walker, 1)) < 0.5 ? -1 : 1) * uniform(keyOf(walker, 2), 0.9, 1.6);
+  const auto motion = steady(crosses ? Eigen::Vector3d(0, -side * std::abs(speed), 0) : Eigen::Vector3d(speed, 0, 0));
+  const Eigen::Vector3d foot(6 + 5.5 * number, side * (kRoad + (crosses ? 0.2 : uniform(keyOf(walker, 3), 0.9, 1.5))),
+                             crosses ? 0.01 : kKerbHeight);
+  const auto part = [&](Primitive primitive) {
+    primitive.motion = motion;
+    add(primitive);
+  };
+  part(uprightCylinder(foot, 0.14, 0.85, materialOf(Pattern::kPlain, Color(56, 58, 70), 0, 0.4F), object_));
+  part(uprightCylinder(foot + Eigen::Vector3d(0, 0, 0.85), 0.24, 0.6,
+                       materialOf(Pattern::kPlain, pick(kCoats, keyOf(walker, 4)), 0, 0.5F), object_));
+  Primitive head;
+  head.shape = Shape::kSphere;
+  head.radius = 0.12;
+  head.map_from_local.translation() = foot + Eigen::Vector3d(0, 0, 1.58);
+  head.material = materialOf(Pattern::kPlain, Color(190, 150, 124), 0, 0.5F);
+  head.object = object_;
+  part(head);
 }
 
 void StreetBuilder::addLamps(int side) {
@@ -298,14 +335,19 @@ void StreetBuilder::addTree(const Eigen::Vector3d& foot, std::uint64_t tree) {
   next();
   const double height = uniform(keyOf(tree, 3), 2.4, 3.2);
   add(uprightCylinder(foot, 0.14, height, materialOf(Pattern::kBark, Color(104, 84, 66), tree, 0.4F), object_));
-  for (int i = 0; i < 14; ++i) {
+  const int num_balls = options_.leaves > 0 ? options_.leaves : 14;
+  for (int i = 0; i < num_balls; ++i) {
     Primitive crown;
     crown.shape = Shape::kSphere;
-    crown.radius = uniform(keyOf(tree, 4, i), 0.35, 0.75);
     const double angle = 0.9 * i + uniform(keyOf(tree, 5));
     const double out = i == 0 ? 0 : uniform(keyOf(tree, 6, i), 0.35, 1.0);
-    crown.map_from_local.translation() = foot + Eigen::Vector3d(out * std::cos(angle), out * std::sin(angle),
-                                                                height + uniform(keyOf(tree, 7, i), 0.1, 1.7));
+    const double up = uniform(keyOf(tree, 7, i), 0.1, 1.7);
+    crown.radius = uniform(keyOf(tree, 4, i), 0.35, 0.75);
+    // Single leaves fill the same crown and leave it open.
+    if (options_.leaves > 0) crown.radius *= 0.13;
+    const double spread = options_.leaves > 0 ? 1.4 : 1;
+    crown.map_from_local.translation() =
+        foot + Eigen::Vector3d(spread * out * std::cos(angle), spread * out * std::sin(angle), height + up);
     crown.material = materialOf(Pattern::kLeaves, pick(kGreens, keyOf(tree, 8)), keyOf(tree, i), 0.7F);
     crown.object = object_;
     add(crown);

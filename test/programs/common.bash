@@ -39,7 +39,7 @@ expect() {
 }
 
 # A drive of a second or two of computing.
-make_drive() { simulate --output "$1" --frames 3 --width 320 --height 200 --azimuths 300 >"$tmp/log" 2>&1; }
+make_drive() { simulate --output "$1" --preset clean --frames 3 --width 320 --height 200 --azimuths 300 >"$tmp/log" 2>&1; }
 
 # forget DIR: removes from a recording what was derived from it.
 forget() { rm -rf "$1"/{moving,surfels,alignment,depth,colored}; }

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 
 #include "simulation/truth.hpp"
 
@@ -74,13 +75,32 @@ TEST(Options, EveryValueOutOfRangeIsRefused) {
                                                                 {"extrinsic-noise-m", "-1"},
                                                                 {"time-offset", "1"},
                                                                 {"voxel-size", "-1"},
-                                                                {"extrinsic-noise-deg", "-1"}};
-  EXPECT_EQ(bad.size() + 1, describeOptions(Options{}).size());  // all but the switch
+                                                                {"extrinsic-noise-deg", "-1"},
+                                                                {"passes", "0"},
+                                                                {"stand", "-1"},
+                                                                {"van-ahead", "-1"},
+                                                                {"pedestrians", "-1"},
+                                                                {"leaves", "-1"},
+                                                                {"beam-divergence", "-1"},
+                                                                {"drift", "-1"}};
+  EXPECT_EQ(bad.size() + 2, describeOptions(Options{}).size());  // all but the switch and the preset
   for (const auto& [name, value] : bad) {
     Options o;
     setOption(o, name, value);
     EXPECT_THROW(o.check(), std::invalid_argument) << name;
   }
+}
+
+TEST(Options, PresetSetsAllOthers) {
+  Options o = quiet();
+  setOption(o, "preset", "vehicle");
+  EXPECT_EQ(o.preset, "vehicle");
+  EXPECT_GT(o.drift, 0);
+  EXPECT_EQ(o.width, Options{}.width);
+  EXPECT_LT(presetOptions("cheap").beams, o.beams);
+  EXPECT_EQ(presetOptions("clean").van_ahead, 0);
+  EXPECT_THROW(setOption(o, "preset", "truck"), std::invalid_argument);
+  for (const char* name : {"clean", "vehicle", "cheap"}) EXPECT_NO_THROW(presetOptions(name).check()) << name;
 }
 
 TEST(Options, SceneFileGivesTheOptionsBack) {
@@ -135,6 +155,89 @@ TEST(Drive, NoiseHasTheChosenSize) {
     EXPECT_NEAR((c.base_from_camera.translation() - c.base_from_camera_given.translation()).norm(),
                 0.006 * std::sqrt(3), 1e-9);
   }
+}
+
+TEST(Drive, SecondPassGoesBackAndAStopStandsStill) {
+  Options o = quiet();
+  o.frames = 40;
+  o.passes = 2;
+  o.stand = 1;
+  const Drive drive(o);
+  const auto way = [&](double t) { return drive.mapFromBase(0.5 + t).translation().x(); };
+  EXPECT_NEAR(way(0), 0, 1e-9);
+  EXPECT_NEAR(way(0.75), 7.5, 1e-9);
+  EXPECT_NEAR(way(1.7), 7.5, 1e-9);
+  EXPECT_NEAR(way(2.5), 15, 1e-9);
+  EXPECT_NEAR(way(4), 0, 1e-9);
+  EXPECT_TRUE(drive.mapFromBase(1.4).isApprox(drive.mapFromBase(2.1), 1e-12));
+}
+
+TEST(Drive, DriftIsSlow) {
+  Options o = quiet();
+  o.frames = 2000;
+  o.drift = 0.05;
+  const Drive drive(o);
+  double squares = 0, fast = 0;
+  for (int frame = 0; frame < o.frames; ++frame) {
+    const auto error = [&](double t) -> Eigen::Vector3d {
+      return (drive.mapFromBase(t).inverse() * drive.mapFromBaseGiven(t)).translation();
+    };
+    squares += error(drive.scanTime(frame)).squaredNorm();
+    fast += (error(drive.scanTime(frame)) - error(drive.scanTime(frame) + 0.1)).squaredNorm();
+  }
+  EXPECT_NEAR(std::sqrt(squares / 3 / o.frames), 0.05, 0.01);
+  EXPECT_LT(std::sqrt(fast / 3 / o.frames), 0.01);
+}
+
+TEST(Lidar, WideBeamsScatterWithSlantAndMixAtEdges) {
+  Options o = quiet();
+  o.frames = 1;
+  o.azimuths = 600;
+  o.beam_divergence = 4;
+  const Drive drive(o);
+  const Scene scene = makeStreet(coarse(o));
+  double straight = 0, slanted = 0;
+  int num_straight = 0, num_slanted = 0, mixed = 0;
+  for (const Return& r : takeScan(scene, drive, 0)) {
+    const Eigen::Vector3d point = drive.mapFromBase(drive.scanTime(0)) * drive.baseFromLidar() * r.point.cast<double>();
+    const auto surface = scene.closestPoint(point, 1);
+    const double off = surface ? surface->distance : 1;
+    mixed += off > 0.1 ? 1 : 0;
+    if (!surface || off > 0.1 || scene.solids()[static_cast<std::size_t>(r.truth.solid)].isMoving()) continue;
+    const double range = r.point.norm(), slant = std::abs((r.truth.point - point).norm()) / range;
+    const double cosine = std::abs(r.truth.normal.dot(drive.mapFromBase(drive.scanTime(0)).linear() *
+                                                      drive.baseFromLidar().linear() * r.point.cast<double>())) /
+                          range;
+    if (cosine > 0.8) straight += slant * slant, ++num_straight;
+    if (cosine < 0.2) slanted += slant * slant, ++num_slanted;
+  }
+  ASSERT_GT(num_straight, 30);
+  ASSERT_GT(num_slanted, 30);
+  EXPECT_GT(slanted / num_slanted, 4 * straight / num_straight);
+  EXPECT_GT(mixed, 3);
+}
+
+TEST(Street, VanDrivesAheadAndPedestriansWalk) {
+  Options o = quiet();
+  o.frames = 60;
+  o.passes = 2;
+  o.stand = 1;
+  o.van_ahead = 9;
+  o.pedestrians = 4;
+  const Drive drive(o);
+  const Scene scene = makeStreet(coarse(o));
+  for (const double t : {0.6, 2.0, 2.4, 4.0, 6.0}) {
+    const Eigen::Vector3d eye = drive.mapFromBase(t) * Eigen::Vector3d(0, 0, 0.8);
+    const auto hit = scene.castRay({eye.x(), -1.5, 0.8}, Eigen::Vector3d::UnitX(), t);
+    ASSERT_TRUE(hit);
+    EXPECT_TRUE(scene.solids()[static_cast<std::size_t>(hit->solid)].isMoving());
+    EXPECT_NEAR(hit->distance, 9 - 2.1, 0.15) << t;
+  }
+  std::set<int> movers;
+  for (const Solid& solid : scene.solids()) {
+    if (solid.isMoving()) movers.insert(solid.primitive().object);
+  }
+  EXPECT_EQ(movers.size(), 5U);
 }
 
 TEST(Drive, PoseNoiseIsSmoothBetweenSamplesOfTf) {

@@ -142,7 +142,7 @@ TEST(Solid, BadSizesAreRefused) {
 
 TEST(Solid, MovingSolidIsHitWhereItIs) {
   Primitive p = sphere();
-  p.velocity = Eigen::Vector3d(2, 0, 0);
+  p.motion = std::make_shared<const Motion>(Motion{{{0, {0, 0, 0}}, {1, {2, 0, 0}}}});
   const Solid s(p);
   LocalHit hit;
   ASSERT_TRUE(s.intersect({0, -5, 0}, {0, 1, 0}, 0, 100, hit));
