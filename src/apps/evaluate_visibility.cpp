@@ -3,6 +3,7 @@
 
 /// evaluate visibility: a coloured map of the simulated street against the exact scene.
 #include <algorithm>
+#include <array>
 #include <iostream>
 
 #include "apps/command_line.hpp"
@@ -36,28 +37,52 @@ struct Counts {
   std::size_t visible = 0, visible_colored = 0, hidden = 0, hidden_colored = 0, other = 0;
 };
 
+/// Points by how far the map has them from the true surface: [0, 1), [1, 2), [2, 4), [4, 8) cm and beyond.
+constexpr std::array<double, 4> kOffSurface = {0.01, 0.02, 0.04, 0.08};  // m
+using CountsOffSurface = std::array<Counts, kOffSurface.size() + 1>;
+
+Counts& countsAt(CountsOffSurface& counts, double distance) {
+  return counts[static_cast<std::size_t>(std::upper_bound(kOffSurface.begin(), kOffSurface.end(), distance) -
+                                         kOffSurface.begin())];
+}
+
 double percent(std::size_t part, std::size_t whole) {
   return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
+void reportOffSurface(const CountsOffSurface& counts) {
+  std::cout << "by the distance from the true surface:";
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    const Counts& of = counts[k];
+    std::cout << (k == 0 ? " " : "; ") << (k < kOffSurface.size() ? "below " : "beyond ")
+              << formatNumber(100 * kOffSurface[std::min(k, kOffSurface.size() - 1)], 0) << " cm "
+              << formatNumber(percent(of.visible_colored, of.visible), 1) << " % of " << of.visible << " visible, "
+              << formatNumber(percent(of.hidden_colored, of.hidden), 1) << " % of " << of.hidden << " hidden";
+  }
+  std::cout << "\n";
+}
+
 void report(const ColoredCloud& map, const std::vector<simulation::PointTruth>& truth) {
   Counts counts;
+  CountsOffSurface off_surface;
   Values true_colors(3, map.colors.cols());
   std::vector<std::uint8_t> compared(truth.size(), 0);
   for (std::size_t p = 0; p < truth.size(); ++p) {
     const bool colored = map.count[p] > 0;
+    Counts& nearby = countsAt(off_surface, static_cast<double>(truth[p].surface_distance));
     true_colors.col(static_cast<Eigen::Index>(p)) = truth[p].color.matrix();
     if (truth[p].truth == simulation::Truth::kVisible) {
-      ++counts.visible;
-      counts.visible_colored += colored ? 1 : 0;
+      ++counts.visible, ++nearby.visible;
+      counts.visible_colored += colored ? 1 : 0, nearby.visible_colored += colored ? 1 : 0;
       compared[p] = colored ? 1 : 0;
     } else if (truth[p].truth == simulation::Truth::kHidden && !truth[p].is_near_edge) {
-      ++counts.hidden;
-      counts.hidden_colored += colored ? 1 : 0;
+      ++counts.hidden, ++nearby.hidden;
+      counts.hidden_colored += colored ? 1 : 0, nearby.hidden_colored += colored ? 1 : 0;
     } else {
       ++counts.other;
     }
   }
+  reportOffSurface(off_surface);
   std::cout << "truly visible points: " << counts.visible << ", coloured "
             << formatNumber(percent(counts.visible_colored, counts.visible), 2) << " %\n"
             << "truly hidden points: " << counts.hidden << ", coloured "

@@ -192,7 +192,8 @@ TEST(Drive, DriftIsSlow) {
 TEST(Lidar, WideBeamsScatterWithSlantAndMixAtEdges) {
   Options o = quiet();
   o.frames = 1;
-  o.azimuths = 600;
+  o.beams = 48;
+  o.azimuths = 1200;
   o.beam_divergence = 4;
   const Drive drive(o);
   const Scene scene = makeStreet(coarse(o));
