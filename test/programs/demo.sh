@@ -2,11 +2,11 @@
 # SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# scripts/demo on a short, small drive leaves everything that it promises.
+# scripts/demo on a short, small, clean drive leaves everything that it promises.
 set -euo pipefail
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
-BUILD_TESTS=ON FRAMES=8 RVIZ_SECONDS=12 SIMULATE="--width 640 --height 400 --azimuths 600" scripts/demo "$out"
+BUILD_TESTS=ON FRAMES=8 RVIZ_SECONDS=12 SIMULATE="--preset clean --width 640 --height 400 --azimuths 600" scripts/demo "$out"
 for file in drive.bag truth.ply recording/recording.yaml map.ply closest.ply street.png above.png detail.png \
   coverage.png rviz.png; do
   [ -s "$out/$file" ] || { echo "$file is missing"; exit 1; }
