@@ -213,6 +213,37 @@ TEST(Observe, EdgesCountOnlyWhereNothingElseDoes) {
   EXPECT_EQ(look(scene, {edge, hidden, other_edge}).observations.numObservations(), 2U);
 }
 
+/// A row of points of a wall, 8 cm apart; the view sees those whose cell of the depth image is open.
+std::vector<Unseen> lookAtWall(const std::vector<int>& open, std::size_t copies = 1) {
+  std::vector<Eigen::Vector3f> row;
+  for (int i = 0; i < 20; ++i) {
+    for (std::size_t k = 0; k < copies; ++k) row.emplace_back(0.08F * static_cast<float>(i - 10) + 0.02F, 0, 4);
+  }
+  ObservedView view = makeView();
+  auto depth = openDepth();
+  depth->depth = 1;
+  for (const int i : open) depth->depth.col(25 + i - 10) = 10;
+  view.depth = depth;
+  return look(makeScene(row), {view}).unseen;
+}
+
+TEST(Observe, PointInSightAmongHiddenOnesIsHidden) {
+  const auto one = lookAtWall({10});
+  EXPECT_EQ(one[10], Unseen::kHidden);
+  std::vector<int> all_but_one;
+  for (int i = 0; i < 20; ++i) {
+    if (i != 10) all_but_one.push_back(i);
+  }
+  const auto most = lookAtWall(all_but_one);
+  EXPECT_EQ(most[9], Unseen::kSeen);
+  EXPECT_EQ(most[10], Unseen::kHidden);
+  EXPECT_EQ(most[11], Unseen::kSeen);
+}
+
+TEST(Observe, CopiesOfAPointDoNotSpeakForIt) {
+  for (const Unseen unseen : lookAtWall({10}, 20)) EXPECT_EQ(unseen, Unseen::kHidden);
+}
+
 TEST(Observe, WeightFallsWithDistanceGrazingAndBorder) {
   const auto weight = [](const Scene& scene) { return look(scene, {makeView()}).observations.weights.at(0); };
   const float best = weight(makeScene({{0, 0, 1}}));
