@@ -35,6 +35,14 @@ std::vector<simulation::TrueView> trueViews(const simulation::Drive& drive, cons
 
 struct Counts {
   std::size_t visible = 0, visible_colored = 0, hidden = 0, hidden_colored = 0, other = 0;
+
+  void add(const Counts& more) {
+    visible += more.visible;
+    visible_colored += more.visible_colored;
+    hidden += more.hidden;
+    hidden_colored += more.hidden_colored;
+    other += more.other;
+  }
 };
 
 /// Points by how far the map has them from the true surface: [0, 1), [1, 2), [2, 4), [4, 8) cm and beyond.
@@ -63,31 +71,32 @@ void reportOffSurface(const CountsOffSurface& counts) {
 }
 
 void report(const ColoredCloud& map, const std::vector<simulation::PointTruth>& truth) {
-  Counts counts;
   CountsOffSurface off_surface;
   Values true_colors(3, map.colors.cols());
   std::vector<std::uint8_t> compared(truth.size(), 0);
   for (std::size_t p = 0; p < truth.size(); ++p) {
     const bool colored = map.count[p] > 0;
-    Counts& nearby = countsAt(off_surface, static_cast<double>(truth[p].surface_distance));
+    Counts& counts = countsAt(off_surface, static_cast<double>(truth[p].surface_distance));
     true_colors.col(static_cast<Eigen::Index>(p)) = truth[p].color.matrix();
     if (truth[p].truth == simulation::Truth::kVisible) {
-      ++counts.visible, ++nearby.visible;
-      counts.visible_colored += colored ? 1 : 0, nearby.visible_colored += colored ? 1 : 0;
+      ++counts.visible;
+      counts.visible_colored += colored ? 1 : 0;
       compared[p] = colored ? 1 : 0;
     } else if (truth[p].truth == simulation::Truth::kHidden && !truth[p].is_near_edge) {
-      ++counts.hidden, ++nearby.hidden;
-      counts.hidden_colored += colored ? 1 : 0, nearby.hidden_colored += colored ? 1 : 0;
+      ++counts.hidden;
+      counts.hidden_colored += colored ? 1 : 0;
     } else {
       ++counts.other;
     }
   }
+  Counts all;
+  for (const Counts& counts : off_surface) all.add(counts);
   reportOffSurface(off_surface);
-  std::cout << "truly visible points: " << counts.visible << ", coloured "
-            << formatNumber(percent(counts.visible_colored, counts.visible), 2) << " %\n"
-            << "truly hidden points: " << counts.hidden << ", coloured "
-            << formatNumber(percent(counts.hidden_colored, counts.hidden), 2) << " %\n"
-            << "others (out of view, near an edge, no surface): " << counts.other << "\n"
+  std::cout << "truly visible points: " << all.visible << ", coloured "
+            << formatNumber(percent(all.visible_colored, all.visible), 2) << " %\n"
+            << "truly hidden points: " << all.hidden << ", coloured "
+            << formatNumber(percent(all.hidden_colored, all.hidden), 2) << " %\n"
+            << "others (out of view, near an edge, no surface): " << all.other << "\n"
             << "colours of visible points: " << scoreColors(true_colors, map.colors, compared).describe() << "\n";
 }
 
