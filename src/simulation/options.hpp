@@ -81,7 +81,7 @@ void visitOptions(Options_& o, F&& f) {
   f("width", o.width, Range{16, 8192}, "px of the images");
   f("height", o.height, Range{16, 8192}, "px of the images");
   f("pixel-noise", o.pixel_noise, Range{0.0, 50.0}, "standard deviation of the noise of a pixel, of 255");
-  f("exposure", o.exposure, Range{0.0, 0.5}, "largest deviation of the gain of the auto-exposure from 1");
+  f("exposure", o.exposure, Range{0.0, 0.75}, "largest deviation of the gain of the auto-exposure from 1");
   f("white-balance", o.white_balance, Range{0.0, 0.5}, "largest deviation of a channel's gain of a camera from 1");
   f("vignetting", o.vignetting, Range{0.0, 0.9}, "loss of brightness in the corner of the image, 0 to 1");
   f("jpeg-quality", o.jpeg_quality, Range{1, 100}, "1 to 100");

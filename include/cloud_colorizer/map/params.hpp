@@ -31,6 +31,7 @@ struct ColorizeParams {
   Method method = Method::kDefault;
   Uncolored uncolored = Uncolored::kKeep;
   Moving moving = Moving::kMark;
+  Tone tone = Tone::kDisplay;
   double fill_distance = 0.3;  ///< m; `uncolored: fill` takes the colour of the nearest coloured point within it
   int num_threads = 0;         ///< 0: one a core
   double memory_limit = 1500;  ///< MB for chunks in work, images and depth images together
@@ -46,7 +47,6 @@ struct Params {
   ObserveParams observe;
   GraphParams graph;
   SystemParams system;
-  ToneParams tone;
   ChunkParams chunks;
   ColorizeParams colorize;
 
@@ -57,6 +57,7 @@ struct Params {
 std::vector<std::string> enumNames(Method);
 std::vector<std::string> enumNames(Uncolored);
 std::vector<std::string> enumNames(Moving);
+std::vector<std::string> enumNames(Tone);
 std::vector<std::string> enumNames(SolverKind);
 std::vector<std::string> enumNames(AnchorKind);
 std::vector<std::string> enumNames(PassGrids);
@@ -86,7 +87,8 @@ void visitMainParams(ParamsT& p, F&& f) {
   f("keyframe_distance", p.record.keyframe_distance, "m that a camera moves before its next view is kept");
   f("max_view_distance", p.depth.max_view_distance, "m; views farther away do not colour a point");
   f("align_poses", p.alignment.align_poses, "none, cameras (their extrinsics) or views (each pose as well)");
-  f("exposure_range", p.tone.exposure_range, "factor that a place's brightness may differ from what its cameras saw");
+  f("tone", p.colorize.tone,
+    "display (each place as bright as its images) or radiance (one exposure; fields radiance_...)");
   f("uncolored", p.colorize.uncolored, "keep, drop or fill the points that no view sees");
   f("num_threads", p.colorize.num_threads, "0: one a core");
   f("memory_limit", p.colorize.memory_limit, "MB for chunks, images and depth images together");

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
+#include <utility>
 
 #include "cloud_colorizer/base/check.hpp"
 
@@ -13,22 +13,77 @@ namespace cloud_colorizer {
 namespace {
 
 constexpr std::array<double, 5> kBlur = {1, 4, 6, 4, 1};
+/// How much what one view shows should have one factor, against that factor being the view's own exposure. Held-out
+/// error on kitti_0005 and seven_scenes as it is | after one gain a view: 0: 17.1, 22.9 | 15.7, 20.3; 1: 17.7, 22.9 |
+/// 15.6, 19.6; 4: 19.5, 23.3 | 15.3, 18.9; 10: 22.4, 24.1 | 15.0, 18.3; plain means: 18.0, 23.3 | 16.6, 21.4.
+constexpr double kEvenness = 1;
+constexpr int kRounds = 30;         // each leaves half of the error
+constexpr double kHighest = 255;    // of 8 bits
+constexpr double kKnee = 0.8;       // of the highest: what is brighter is compressed where the range asks for it
+constexpr double kOutliers = 1e-3;  // of a cell's points, that may be brighter than its peak
 
-/// Every sample counts in the cells around its own as well.
-ToneCells blurred(const ToneCells& samples) {
-  ToneCells blurred;
-  for (const auto& [cell, sum] : samples) {
-    for (std::int32_t x = 0; x < 5; ++x)
-      for (std::int32_t y = 0; y < 5; ++y)
-        for (std::int32_t z = 0; z < 5; ++z) {
-          const double weight = kBlur[static_cast<std::size_t>(x)] * kBlur[static_cast<std::size_t>(y)] *
-                                kBlur[static_cast<std::size_t>(z)];
-          ToneSum& at = blurred[{cell[0] + x - 2, cell[1] + y - 2, cell[2] + z - 2}];
-          at.log_gain += weight * sum.log_gain;
-          at.count += weight * sum.count;
-        }
+/// What each cell is multiplied by, as a logarithm: least squares of what the points in each view differ by, from the
+/// view's own exposure, and, kEvenness times, from their mean in that view. Alternately the means and the cells.
+std::vector<double> solveTone(const ToneCells& cells, const std::vector<float>& log_gains) {
+  std::vector<double> factors(cells.size(), 0), counts(log_gains.size(), 0);
+  for (const auto& [at, cell] : cells)
+    for (const auto& [view, count] : cell.views) counts[view] += count;
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<double> means(log_gains.size(), 0);
+    std::size_t c = 0;
+    for (const auto& [at, cell] : cells) {
+      for (const auto& [view, count] : cell.views) means[view] += count * factors[c] / counts[view];
+      ++c;
+    }
+    c = 0;
+    for (const auto& [at, cell] : cells) {
+      double sum = 0, all = 0;
+      for (const auto& [view, count] : cell.views) {
+        sum += count * (kEvenness * means[view] - static_cast<double>(log_gains[view]));
+        all += count;
+      }
+      factors[c++] = sum / ((1 + kEvenness) * all);
+    }
   }
-  return blurred;
+  return factors;
+}
+
+/// Values of cells.
+struct Weighted {
+  double sum = 0, weight = 0;
+};
+using Field = std::map<ToneCell, Weighted>;
+
+/// Every cell counts in those around it as well. One axis after the other.
+Field blurred(Field field) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Field wider;
+    for (const auto& [cell, value] : field) {
+      for (std::size_t k = 0; k < kBlur.size(); ++k) {
+        ToneCell beside = cell;
+        beside[axis] += static_cast<std::int32_t>(k) - 2;
+        Weighted& at = wider[beside];
+        at.sum += kBlur[k] * value.sum;
+        at.weight += kBlur[k] * value.weight;
+      }
+    }
+    field = std::move(wider);
+  }
+  return field;
+}
+
+/// Up to the knee as it is, above so that `peak` becomes the highest (the extended operator of Reinhard et al., 2002).
+double compressed(double value, double peak) {
+  constexpr double kStart = kKnee * kHighest, kRange = kHighest - kStart;
+  if (!(peak > kHighest) || value <= kStart) return value;
+  const double above = (value - kStart) / kRange, most = (peak - kStart) / kRange;
+  return kStart + kRange * above * (1 + above / (most * most)) / (1 + above);
+}
+
+ToneCell cellOf(const Eigen::Vector3f& place, double cell) {
+  const Eigen::Array3d index = (place.array().cast<double>() / cell).floor();
+  return {static_cast<std::int32_t>(index[0]), static_cast<std::int32_t>(index[1]),
+          static_cast<std::int32_t>(index[2])};
 }
 
 /// The cells whose centres surround some points, as one grid.
@@ -85,32 +140,83 @@ class CellGrid {
 
 }  // namespace
 
-void ToneParams::check() const {
-  requireInRange("exposure_range", exposure_range, 1.0, 1e6);
+ToneCells countViews(PointsRef points, const std::vector<Eigen::Index>& columns, const Observations& seen,
+                     double cell) {
+  ToneCells cells;
+  for (const Eigen::Index i : columns) {
+    const std::uint32_t begin = seen.offsets[static_cast<std::size_t>(i)],
+                        end = seen.offsets[static_cast<std::size_t>(i) + 1];
+    double weights = 0;
+    for (std::uint32_t k = begin; k < end; ++k) weights += static_cast<double>(seen.weights[k]);
+    if (!(weights > 0)) continue;
+    auto& views = cells[cellOf(points.col(i), cell)].views;
+    for (std::uint32_t k = begin; k < end; ++k) views[seen.views[k]] += static_cast<double>(seen.weights[k]) / weights;
+  }
+  return cells;
 }
 
-ToneCell ToneField::cellOf(const Eigen::Vector3f& place, double cell) {
-  const Eigen::Array3d index = (place.array().cast<double>() / cell).floor();
-  return {static_cast<std::int32_t>(index[0]), static_cast<std::int32_t>(index[1]),
-          static_cast<std::int32_t>(index[2])};
-}
-
-ToneField::ToneField(const ToneCells& samples, double cell, const ToneParams& params) : cell_(cell) {
-  params.check();
-  requireInRange("the cells of tones", cell, 1e-9, 1e9);
-  const double limit = std::log(params.exposure_range);
-  for (const auto& [index, sum] : blurred(samples)) {
-    require<std::invalid_argument>(std::isfinite(sum.log_gain) && sum.count > 0, "tone: samples of cell (", index[0],
-                                   ", ", index[1], ", ", index[2], ") are not finite");
-    const double log_gain = sum.log_gain / sum.count, excess = std::max(0.0, std::abs(log_gain) - limit);
-    log_factors_[index] = static_cast<float>(log_gain > 0 ? -excess : excess);
+void addPeaks(PointsRef points, const Values& radiance, double cell, ToneCells& cells) {
+  std::map<ToneCell, std::vector<float>> highest;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    highest[cellOf(points.col(i), cell)].push_back(radiance.col(i).maxCoeff());
+  }
+  for (auto& [at, sum] : cells) {
+    std::vector<float>& values = highest[at];
+    const auto last = static_cast<double>(values.size() - 1);
+    const auto peak = values.begin() + static_cast<std::ptrdiff_t>(std::ceil(last * (1 - kOutliers)));
+    std::nth_element(values.begin(), peak, values.end());
+    sum.peak = static_cast<double>(*peak);
   }
 }
 
-void ToneField::apply(PointsRef points, Values& values) const {
-  if (log_factors_.empty() || points.cols() == 0) return;
-  const CellGrid block(points, cell_, log_factors_);
-  for (Eigen::Index i = 0; i < points.cols(); ++i) values.col(i) *= std::exp(block.logFactorAt(points.col(i)));
+void addCells(const ToneCells& more, ToneCells& cells) {
+  for (const auto& [at, sum] : more) {
+    ToneSum& all = cells[at];
+    for (const auto& [view, count] : sum.views) all.views[view] += count;
+    all.peak = std::max(all.peak, sum.peak);
+  }
+}
+
+ToneField::ToneField(const ToneCells& cells, const std::vector<float>& log_gains, double cell, Tone tone)
+    : cell_(cell) {
+  requireInRange("the cells of tones", cell, 1e-9, 1e9);
+  for (const auto& [at, sum] : cells) {
+    require<std::invalid_argument>(
+        std::isfinite(sum.peak) && !sum.views.empty() && sum.views.rbegin()->first < log_gains.size(), "tone: cell (",
+        at[0], ", ", at[1], ", ", at[2], ") has no views that there are");
+  }
+  if (tone == Tone::kDisplay) {
+    const std::vector<double> solved = solveTone(cells, log_gains);
+    Field field;
+    std::size_t c = 0;
+    for (const auto& [at, sum] : cells) {
+      double weight = 0;
+      for (const auto& [view, count] : sum.views) weight += count;
+      field[at] = {weight * solved[c++], weight};
+    }
+    for (const auto& [at, value] : blurred(std::move(field))) {
+      log_factors_[at] = static_cast<float>(value.sum / value.weight);
+    }
+  }
+  for (const auto& [at, sum] : cells) {
+    const auto factor = log_factors_.find(at);
+    peak_ =
+        std::max(peak_, sum.peak * (factor == log_factors_.end() ? 1 : std::exp(static_cast<double>(factor->second))));
+  }
+}
+
+Eigen::RowVectorXf ToneField::factors(PointsRef points, const Values& radiance) const {
+  Eigen::RowVectorXf factors = Eigen::RowVectorXf::Ones(points.cols());
+  if (points.cols() == 0) return factors;
+  if (!log_factors_.empty()) {
+    const CellGrid block(points, cell_, log_factors_);
+    for (Eigen::Index i = 0; i < points.cols(); ++i) factors[i] = std::exp(block.logFactorAt(points.col(i)));
+  }
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const double highest = static_cast<double>(radiance.col(i).maxCoeff() * factors[i]);
+    if (highest > 0) factors[i] *= static_cast<float>(compressed(highest, peak_) / highest);
+  }
+  return factors;
 }
 
 }  // namespace cloud_colorizer

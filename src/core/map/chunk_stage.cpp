@@ -48,33 +48,32 @@ ZOrderGrid globalGrid(const Recording& recording) {
   return grid;
 }
 
-/// Writes the colours of the core's tiles; column k of `colors` belongs to gathered point order[k].
-void writeCore(const Workspace& work, const Chunk& chunk, const std::vector<Index>& order, const ToneField& tone,
-               const Points& points, const Fused& colors, const std::vector<Unseen>& unseen) {
+/// Where the points of each core tile are in Z-order: point order[k] of those gathered is at k.
+std::vector<std::vector<Index>> coreColumns(const Workspace& work, const Chunk& chunk,
+                                            const std::vector<Index>& order) {
   std::vector<Index> column_of(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) column_of[static_cast<std::size_t>(order[k])] = static_cast<Index>(k);
-  std::size_t gathered = 0;
+  std::vector<std::vector<Index>> columns;
+  auto next = column_of.begin();
   for (const std::size_t tile : chunk.core_tiles) {
-    const std::size_t count = work.recording().tiles()[tile].num_points;
-    TileColors out{Values(3, static_cast<Index>(count)), std::vector<std::uint16_t>(count), std::vector<float>(count),
-                   std::vector<Unseen>(count)};
-    const std::vector<Index> columns(column_of.begin() + static_cast<std::ptrdiff_t>(gathered),
-                                     column_of.begin() + static_cast<std::ptrdiff_t>(gathered + count));
-    gathered += count;
-    out.values = gatherColumns(colors.values, columns);
-    tone.apply(gatherColumns(points, columns), out.values);
-    out.values = out.values.cwiseMax(0.F).cwiseMin(255.F);
-    for (std::size_t i = 0; i < count; ++i) {
-      const Index k = columns[i];
-      out.count[i] = static_cast<std::uint16_t>(std::min(colors.count[k], 65535));
-      out.stddev[i] = colors.stddev[k];
-      out.unseen[i] = unseen[static_cast<std::size_t>(k)];
-    }
-    work.files().writeColors(tile, out);
+    const auto end = next + static_cast<std::ptrdiff_t>(work.recording().tiles()[tile].num_points);
+    columns.emplace_back(next, end);
+    next = end;
   }
+  return columns;
 }
 
-void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid, const ToneField& tone) {
+TileColors gatherColors(const Fused& colors, const std::vector<Unseen>& unseen, const std::vector<Index>& columns) {
+  TileColors tile{gatherColumns(colors.values, columns).cwiseMax(0.F), {}, {}, {}};
+  for (const Index k : columns) {
+    tile.count.push_back(static_cast<std::uint16_t>(std::min(colors.count[k], 65535)));
+    tile.stddev.push_back(colors.stddev[k]);
+    tile.unseen.push_back(unseen[static_cast<std::size_t>(k)]);
+  }
+  return tile;
+}
+
+void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid) {
   Surface surface = gatherChunk(work, chunk);
   // In Z-order, what is near in space is near in memory: several times faster gradients and factorisation.
   const auto sorted = zorderSort(zorderKeys(surface.points, grid), zorderMask(0));
@@ -85,16 +84,27 @@ void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid, con
   const auto viewAt = [&](std::size_t k) { return work.observedView(views[k]); };
   const Params& params = work.params();
   ObserveResult seen = observe(surface.points, surface.surfels, views.size(), viewAt, params.depth, params.observe);
+  const auto core_columns = coreColumns(work, chunk, order);
+  const double cell = toneCellSize(work.recording());
+  std::vector<ToneCells> tones;
+  tones.reserve(core_columns.size());
+  for (const auto& columns : core_columns) {
+    tones.push_back(countViews(surface.points, columns, seen.observations, cell));
+  }
   Fused colors = colorPoints(surface.points, std::move(seen.observations), grid, params.colorize.method, params.graph,
                              params.system);
   // Without a view nothing tells the number of channels.
   if (views.empty()) colors.values = Values::Zero(3, surface.size());
-  writeCore(work, chunk, order, tone, surface.points, colors, seen.unseen);
+  for (std::size_t i = 0; i < core_columns.size(); ++i) {
+    const TileColors tile = gatherColors(colors, seen.unseen, core_columns[i]);
+    addPeaks(gatherColumns(surface.points, core_columns[i]), tile.values, cell, tones[i]);
+    work.files().writeColors(chunk.core_tiles[i], tile, tones[i]);
+  }
 }
 
 }  // namespace
 
-void colorChunks(Workspace& work, const ToneField& tone, const Callbacks& callbacks) {
+void colorChunks(Workspace& work, const Callbacks& callbacks) {
   const Recording& recording = work.recording();
   const Params& params = work.params();
   std::vector<Chunk> chunks = planChunks(recording.tiles(), recording.tileSize(), params.chunks);
@@ -112,7 +122,7 @@ void colorChunks(Workspace& work, const ToneField& tone, const Callbacks& callba
     const bool todo = !std::all_of(tiles.begin(), tiles.end(), [&](std::size_t tile) { return files.hasColors(tile); });
     if (todo) {
       const MemoryBudget::Share share(memory, MemoryPlan::chunkBytes(chunks[c].num_points_with_halo));
-      colorChunk(work, chunks[c], grid, tone);
+      colorChunk(work, chunks[c], grid);
     }
     progress.add(chunks[c].num_core_points, todo);
   });

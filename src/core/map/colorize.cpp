@@ -26,13 +26,12 @@ ColorizeSummary colorize(const Recording& recording, const Params& params, const
 
   const FolderLock lock(recording.directory(), true);
   Workspace work(recording, params);
-  checkImages(work, callbacks);                      // per view: is its image whole
-  findMoving(work, callbacks);                       // per tile: what later and earlier scans saw through
-  makeSurfels(work, callbacks);                      // per tile: what closes the surface between the points
-  alignViews(work, callbacks);                       // all views: exposure and small corrections of the poses
-  makeDepthImages(work, callbacks);                  // per view: what it can see of the whole map
-  const ToneField tone = makeTone(work, callbacks);  // whole map: what the exposures did to each place
-  colorChunks(work, tone, callbacks);                // per chunk: observe, graph, system, solve; eq. (1)-(5)
+  checkImages(work, callbacks);      // per view: is its image whole
+  findMoving(work, callbacks);       // per tile: what later and earlier scans saw through
+  makeSurfels(work, callbacks);      // per tile: what closes the surface between the points
+  alignViews(work, callbacks);       // all views: exposure and small corrections of the poses
+  makeDepthImages(work, callbacks);  // per view: what it can see of the whole map
+  colorChunks(work, callbacks);      // per chunk: observe, graph, system, solve; eq. (1)-(5)
 
   ColorizeSummary summary = summarize(work);
   summary.seconds = watch.lap();

@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kViews = "/views.bin";
+constexpr const char* kTone = ".tone";
 /// Bytes of a point's normal, radius, offset and thickness; of its colour, count, deviation and reason.
 constexpr std::size_t kSurfelBytes = 6 * sizeof(float), kColorBytes = 4 * sizeof(float) + sizeof(std::uint16_t) + 1;
 
@@ -132,8 +133,8 @@ bool DerivedFiles::holds(const std::string& folder, const std::string& key) cons
   return std::string(found.begin(), found.end()) == key;
 }
 
-std::string DerivedFiles::tileFile(const char* folder, std::size_t tile) const {
-  return pathOf(std::string(folder) + '/' + tileName(recording_.tiles()[tile].index) + ".bin");
+std::string DerivedFiles::tileFile(const char* folder, std::size_t tile, const char* extension) const {
+  return pathOf(std::string(folder) + '/' + tileName(recording_.tiles()[tile].index) + extension);
 }
 
 std::string DerivedFiles::depthFile(std::size_t view) const {
@@ -211,11 +212,25 @@ DepthImage DerivedFiles::readDepth(std::size_t view) const {
 }
 
 bool DerivedFiles::hasColors(std::size_t tile) const {
-  return isWhole(tileFile(kColorsFolder, tile), kColorBytes * recording_.tiles()[tile].num_points);
+  return readWhole(tileFile(kColorsFolder, tile, kTone)).has_value() &&
+         isWhole(tileFile(kColorsFolder, tile), kColorBytes * recording_.tiles()[tile].num_points);
 }
 
-void DerivedFiles::writeColors(std::size_t tile, const TileColors& colors) const {
-  BlobWriter blob;
+void DerivedFiles::writeColors(std::size_t tile, const TileColors& colors, const ToneCells& tone) const {
+  BlobWriter cells, blob;
+  const auto count = static_cast<std::uint32_t>(tone.size());
+  cells.add(&count, 1);
+  for (const auto& [cell, sum] : tone) {
+    const auto views = static_cast<std::uint32_t>(sum.views.size());
+    cells.add(cell);
+    cells.add(&sum.peak, 1);
+    cells.add(&views, 1);
+    for (const auto& [view, number] : sum.views) {
+      cells.add(&view, 1);
+      cells.add(&number, 1);
+    }
+  }
+  cells.save(tileFile(kColorsFolder, tile, kTone));
   blob.add(colors.values);
   blob.add(colors.count);
   blob.add(colors.stddev);
@@ -233,6 +248,22 @@ TileColors DerivedFiles::readColors(std::size_t tile) const {
   blob.read(colors.stddev);
   blob.read(colors.unseen);
   return colors;
+}
+
+ToneCells DerivedFiles::readTone(std::size_t tile) const {
+  BlobReader blob(tileFile(kColorsFolder, tile, kTone));
+  ToneCells cells;
+  for (auto left = blob.read<std::uint32_t>(); left > 0; --left) {
+    ToneCell cell{};
+    blob.read(cell);
+    ToneSum& sum = cells[cell];
+    sum.peak = blob.read<double>();
+    for (auto views = blob.read<std::uint32_t>(); views > 0; --views) {
+      const auto view = blob.read<std::uint32_t>();
+      sum.views[view] = blob.read<double>();
+    }
+  }
+  return cells;
 }
 
 void DerivedFiles::writeCorrections(const std::vector<CorrectedView>& views) const {

@@ -10,6 +10,7 @@
 
 #include "base/file_io.hpp"
 #include "cloud_colorizer/camera/view.hpp"
+#include "cloud_colorizer/color/tone.hpp"
 #include "cloud_colorizer/recording/recording.hpp"
 #include "cloud_colorizer/surface/surfels.hpp"
 #include "cloud_colorizer/visibility/depth_image.hpp"
@@ -27,7 +28,7 @@ constexpr const char* kColorsFolder = "colored";
 
 /// Colours of one tile, one column a point.
 struct TileColors {
-  Values values;                     ///< 3 x n, 0 to 255; zero where count is 0
+  Values values;                     ///< 3 x n, radiance in grey levels of 8 bits, not negative; 0 where count is 0
   std::vector<std::uint16_t> count;  ///< views that coloured the point
   std::vector<float> stddev;         ///< over the views
   std::vector<Unseen> unseen;        ///< why no view coloured the point
@@ -71,8 +72,9 @@ class DerivedFiles {
   DepthImage readDepth(std::size_t view) const;  ///< without its empty space
 
   bool hasColors(std::size_t tile) const;
-  void writeColors(std::size_t tile, const TileColors& colors) const;
+  void writeColors(std::size_t tile, const TileColors& colors, const ToneCells& tone) const;
   TileColors readColors(std::size_t tile) const;
+  ToneCells readTone(std::size_t tile) const;
 
   void writeCorrections(const std::vector<CorrectedView>& views) const;
   std::optional<std::vector<CorrectedView>> readCorrections() const;  ///< nothing where they are not whole
@@ -80,7 +82,7 @@ class DerivedFiles {
   std::optional<ViewList> readDamagedViews() const;  ///< nothing where the list is not whole
 
  private:
-  std::string tileFile(const char* folder, std::size_t tile) const;
+  std::string tileFile(const char* folder, std::size_t tile, const char* extension = ".bin") const;
   std::string depthFile(std::size_t view) const;
 
   Recording recording_;

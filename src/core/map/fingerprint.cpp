@@ -11,7 +11,7 @@ namespace cloud_colorizer {
 namespace {
 
 /// To be raised when a stage gives other results than before, so that files of an older program are not used.
-constexpr std::uint64_t kStagesVersion = 5;
+constexpr std::uint64_t kStagesVersion = 6;
 
 /// FNV-1a, 64 bit.
 class Hash {
@@ -127,8 +127,8 @@ std::string depthKey(const Recording& recording, const Params& params, const std
 std::string colorsKey(const Recording& recording, const Params& params, const ViewList& damaged,
                       const std::vector<CorrectedView>& views) {
   // These do not change the colour of a tile.
-  const std::set<std::string> without = {"num_threads",   "memory_limit",    "uncolored",
-                                         "fill_distance", "scan_resolution", "moving"};
+  const std::set<std::string> without = {"num_threads",     "memory_limit", "uncolored", "fill_distance",
+                                         "scan_resolution", "moving",       "tone"};
   Hash exposures;
   for (const auto& view : views) {
     exposures.add(view.exposure.gain.data(), static_cast<std::size_t>(view.exposure.gain.size()));

@@ -15,6 +15,10 @@ std::vector<std::string> enumNames(Moving) {
   return {"keep", "mark", "drop"};
 }
 
+std::vector<std::string> enumNames(Tone) {
+  return {"display", "radiance"};
+}
+
 std::vector<std::string> enumNames(Uncolored) {
   return {"keep", "drop", "fill"};
 }
@@ -45,7 +49,6 @@ void Params::check() const {
   observe.check();
   graph.check();
   system.check();
-  tone.check();
   chunks.check();
   colorize.check();
 }
@@ -55,6 +58,7 @@ std::string removedParam(const std::string& name) {
       {"alignment_blur", "the first blur follows pose_rotation_prior and extrinsic_rotation_prior"},
       {"alignment_rounds", "there are 4 rounds at each blur"},
       {"edge_length_ratio", "all edges count alike"},
+      {"exposure_range", "tone=display is as bright as the images everywhere, tone=radiance nowhere follows them"},
       {"extrinsic_translation_prior", "the place is expected to be off by as many pixels as extrinsic_rotation_prior"},
       {"image_border", "3 px at the border of an image are not used"},
       {"max_gain", "gains stay within 1/5 and 5"},

@@ -17,9 +17,13 @@ void findMoving(Workspace& work, const Callbacks& callbacks);
 void makeSurfels(Workspace& work, const Callbacks& callbacks);
 void alignViews(Workspace& work, const Callbacks& callbacks);
 void makeDepthImages(Workspace& work, const Callbacks& callbacks);
-/// What the brightness of each place is multiplied by; nothing unless the exposures differ a lot.
-ToneField makeTone(Workspace& work, const Callbacks& callbacks);
-void colorChunks(Workspace& work, const ToneField& tone, const Callbacks& callbacks);
+/// The radiances of all tiles, and what their tone needs to know of them.
+void colorChunks(Workspace& work, const Callbacks& callbacks);
+
+/// m, side of the cells in which colorChunks() sums up the exposures.
+double toneCellSize(const Recording& recording);
+/// From the radiances of the coloured tiles to what is shown.
+ToneField makeTone(const Workspace& work);
 
 /// Depth image of the whole map for a view at any pose. Asks `callbacks` (takingTurns) at each tile whether to go on.
 DepthImage renderDepth(Workspace& work, std::size_t view, const Eigen::Isometry3d& map_from_camera,

@@ -312,6 +312,28 @@ TEST_F(Colorize, UnseenPointsAreKeptDroppedOrFilled) {
   }
 }
 
+TEST_F(Colorize, RadianceIsSavedBesideItsColoursWithoutColouringAgain) {
+  params_.colorize.method = Method::kDefault;
+  const Recording recording = record("r", {5}, 0.06, kThreeCameras, 5);
+  colorize(recording, params_, {});
+  const Cloud display = colored(recording);
+  params_.colorize.tone = Tone::kRadiance;
+  const Cloud radiance = colored(recording);
+  EXPECT_EQ(display.fields.size() + 3, radiance.fields.size());
+  EXPECT_EQ(recordSize(display.fields) + 12, recordSize(radiance.fields));
+  ASSERT_TRUE(findField(radiance.fields, "radiance_red"));
+  int compared = 0;
+  for (Index i = 0; i < radiance.positions.cols(); ++i) {
+    if (viewCountOf(radiance, i) == 0) continue;
+    float red = 0;
+    std::memcpy(&red, radiance.records.data() + static_cast<std::size_t>(i + 1) * recordSize(radiance.fields) - 12, 4);
+    EXPECT_NEAR(colorOf(radiance, i)[0], static_cast<double>(red), 0.51);
+    EXPECT_NEAR(colorOf(display, i)[0], static_cast<double>(red), 0.1 * static_cast<double>(red));
+    ++compared;
+  }
+  EXPECT_GT(compared, 1000);
+}
+
 TEST_F(Colorize, WhatMovedIsMarkedHidesNothingAndCanBeDropped) {
   // A van at x = 3 in front of a wall at 5: of three scans the second ends at it, as does the view of that moment.
   Recorder recorder(scratch_ / "r", "map", record_);

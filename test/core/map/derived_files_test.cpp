@@ -50,7 +50,7 @@ class DerivedFilesTest : public ::testing::Test {
   void writeAll() {
     files_.writeSurfels(0, surfels_);
     files_.writeDepth(2, image_);
-    files_.writeColors(0, colors_);
+    files_.writeColors(0, colors_, tone_);
     files_.writeCorrections(corrections_);
     files_.writeDamagedViews({1, 2});
   }
@@ -60,6 +60,7 @@ class DerivedFilesTest : public ::testing::Test {
   Surfels surfels_;
   DepthImage image_;
   TileColors colors_;
+  ToneCells tone_ = {{{-1, 0, 2}, {{{0, 0.5}, {2, 3}}, 4}}, {{0, 0, 0}, {{{1, 1}}, 8}}};
   std::vector<CorrectedView> corrections_;
 };
 
@@ -78,6 +79,11 @@ TEST_F(DerivedFilesTest, ReadBackWhatWasWritten) {
   EXPECT_EQ(colors.values, colors_.values);
   EXPECT_EQ(colors.count, colors_.count);
   EXPECT_EQ(colors.unseen, colors_.unseen);
+  const ToneCells tone = files_.readTone(0);
+  ASSERT_EQ(tone.size(), 2U);
+  EXPECT_EQ(tone.begin()->first, (ToneCell{-1, 0, 2}));
+  EXPECT_EQ(tone.begin()->second.peak, 4);
+  EXPECT_EQ(tone.begin()->second.views, tone_.begin()->second.views);
   const auto corrections = *files_.readCorrections();
   EXPECT_EQ(corrections[1].map_from_camera.translation(), Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(corrections[1].exposure.gain[2], 3);
@@ -107,6 +113,7 @@ TEST_F(DerivedFilesTest, WhatIsDamagedCountsAsAbsentAndIsNeverRead) {
       {"surfels/0_0_0.bin", [&] { return files_.hasSurfels(0); }},
       {"depth/000002.bin", [&] { return files_.hasDepth(2); }},
       {"colored/0_0_0.bin", [&] { return files_.hasColors(0); }},
+      {"colored/0_0_0.tone", [&] { return files_.hasColors(0); }},
       {"alignment/views.bin", [&] { return files_.readCorrections().has_value(); }},
       {"damaged_images/views.bin", [&] { return files_.readDamagedViews().has_value(); }},
       {"depth/key.txt", [&] { return files_.holds("depth", "k"); }}};
