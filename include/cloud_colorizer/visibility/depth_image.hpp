@@ -21,7 +21,7 @@ struct DepthParams {
                                    ///< a quarter of its surfel radius and what the slant of the surface explains
   double depth_edge_guard = 3;     ///< px; nearer than this to a depth edge an observation counts as "edge"
   double max_view_distance = 40;   ///< m; views farther from a point than this do not colour it
-  double clear_radius = 0.5;       ///< m; nothing that stays was so near to where a camera has been: it does not hide
+  double clear_radius = 0;         ///< m; nothing that stays was so near to where a camera has been: it does not hide
 
   void check() const;
 };

@@ -80,14 +80,23 @@ class Colorize : public ::testing::Test {
   }
 
   /// Walls at `xs`; one view from each of `cameras`, of the wall at `seen`, with gains 1, 1.1, 1.2, ...
+  /// `scale`: of all lengths.
   Recording record(const std::string& name, const std::vector<double>& xs, double spacing,
-                   const std::vector<Eigen::Vector3d>& cameras, double seen) {
-    Recorder recorder(scratch_ / name, "map", record_);
-    for (const double x : xs) recorder.addCloud(wall(x, spacing), Eigen::Isometry3d::Identity());
+                   const std::vector<Eigen::Vector3d>& cameras, double seen, double scale = 1) {
+    RecordParams scaled = record_;
+    scaled.tile_size *= scale;
+    Recorder recorder(scratch_ / name, "map", scaled);
+    for (const double x : xs) {
+      Cloud cloud = wall(x, spacing);
+      cloud.positions *= scale;
+      recorder.addCloud(cloud, Eigen::Isometry3d::Identity());
+    }
     const auto camera = recorder.setCamera("camera_0", intrinsics_);
     double gain = 1;
     for (const auto& at : cameras) {
-      recorder.addView(camera, gain, cameraAt(at.x(), at.y(), at.z()), imageOfWall(intrinsics_, at, seen, gain), "png");
+      Eigen::Isometry3d pose = cameraAt(at.x(), at.y(), at.z());
+      pose.translation() *= scale;
+      recorder.addView(camera, gain, pose, imageOfWall(intrinsics_, at, seen, gain), "png");
       gain += 0.1;
     }
     return recorder.snapshot();
@@ -186,6 +195,34 @@ TEST_F(Colorize, AWallInAnotherChunkHides) {
   }
   EXPECT_EQ(behind_colored, 0U);
   EXPECT_GT(summary.by_reason[static_cast<std::size_t>(Unseen::kHidden)], recording.numPoints() * 4 / 10);
+}
+
+TEST_F(Colorize, ASceneOfAnotherScaleHasTheSameColours) {
+  params_.colorize.method = Method::kDefault;
+  params_.depth.max_view_distance = 1e6;
+  const auto colors_at = [&](const std::string& name, double scale) {
+    const Recording recording = record(name, {5, 5.6}, 0.06, kThreeCameras, 5, scale);
+    colorize(recording, params_, {});
+    std::map<std::tuple<long, long, long>, Eigen::Vector3d> colors;  // by place in cm of the unscaled scene
+    const Cloud cloud = colored(recording);
+    for (Index i = 0; i < cloud.positions.cols(); ++i) {
+      if (viewCountOf(cloud, i) == 0) continue;
+      const Eigen::Vector3d at = cloud.positions.col(i) * (100 / scale);
+      colors[{std::lround(at.x()), std::lround(at.y()), std::lround(at.z())}] = colorOf(cloud, i);
+    }
+    return colors;
+  };
+  const auto expected = colors_at("r", 1);
+  for (const double scale : {0.01, 100.0}) {
+    const auto colors = colors_at("r" + std::to_string(scale), scale);
+    std::size_t alike = 0;
+    for (const auto& [at, color] : colors) {
+      const auto found = expected.find(at);
+      alike += found != expected.end() && (found->second - color).cwiseAbs().maxCoeff() <= 2 ? 1 : 0;
+    }
+    EXPECT_GT(alike, expected.size() * 99 / 100) << scale;
+    EXPECT_LE(colors.size(), expected.size() * 101 / 100) << scale;
+  }
 }
 
 TEST_F(Colorize, WhatTheScanOfThatMomentSawThroughHidesNothingAndTakesNoColour) {
