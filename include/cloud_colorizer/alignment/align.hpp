@@ -37,6 +37,8 @@ struct AlignmentParams {
   double time_offset_prior = 0.05;        ///< s, of a camera's clock
 
   void check() const;
+  /// Sample points that each view uses at most: alignment_points, fewer of very many views to bound the memory.
+  std::size_t pointsPerView(std::size_t num_views) const;
 };
 
 /// `points` with `surfels` are a sample of the map (a few times 10,000 points a view; any order). `depth` gives the

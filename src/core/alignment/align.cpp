@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_colorizer/alignment/align.hpp"
 
+#include <algorithm>
+
 #include "alignment/aligner.hpp"
 #include "base/robust.hpp"
 #include "base/stop_watch.hpp"
@@ -50,6 +52,14 @@ void AlignmentParams::check() const {
   requireInRange("pose_rotation_prior", pose_rotation_prior, 1e-4, 10.0);
   requireInRange("extrinsic_rotation_prior", extrinsic_rotation_prior, 1e-4, 10.0);
   requireInRange("time_offset_prior", time_offset_prior, 1e-4, 10.0);
+}
+
+std::size_t AlignmentParams::pointsPerView(std::size_t num_views) const {
+  // Of all views together: 450 MB with their equations, whatever memory_limit is, for the result must not depend on it.
+  constexpr double kMaxSights = 2.25e6;
+  constexpr double kMinPoints = 100;  // of a view, however many there are
+  const double points = kMaxSights / static_cast<double>(std::max<std::size_t>(1, num_views));
+  return static_cast<std::size_t>(std::clamp<double>(points, kMinPoints, alignment_points));
 }
 
 AlignmentResult align(const AlignmentInput& input, const AlignmentParams& params, const Callbacks& callbacks) {

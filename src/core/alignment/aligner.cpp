@@ -16,9 +16,6 @@ namespace {
 
 constexpr double kCoarsestBlur = 8;  // px of the small images: beyond it too little texture is left
 constexpr double kBlurRatio = 0.6;   // from one level to the next
-// Of all views together: 450 MB with their equations, whatever memory_limit is, for the result must not depend on it.
-constexpr double kMaxSights = 2.25e6;
-constexpr double kMinPoints = 100;      // of a view, however many there are
 constexpr std::size_t kMinShared = 60;  // points that a view must share with others
 
 }  // namespace
@@ -31,8 +28,7 @@ Aligner::Aligner(const AlignmentInput& input, double thickness, const AlignmentP
       runs_(makeRuns(input.points, input.surfels)),
       images_(input),
       sights_(input.views.size()) {
-  const double points = kMaxSights / static_cast<double>(std::max<std::size_t>(1, input.views.size()));
-  max_points_ = static_cast<std::size_t>(std::clamp<double>(points, kMinPoints, params.alignment_points));
+  max_points_ = params.pointsPerView(input.views.size());
   state_.views.assign(input.views.size(), Twist::Zero());
   state_.cameras.assign(input.cameras.size(), Twist::Zero());
   state_.time_offsets.assign(input.cameras.size(), 0);

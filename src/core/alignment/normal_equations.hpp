@@ -10,6 +10,7 @@
 #pragma once
 
 #include <Eigen/SparseCholesky>
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -58,10 +59,19 @@ NormalEquations assemble(const Tracks& tracks, const Equations<D>& equations, co
   result.gradient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(num_views) * D);
   std::vector<std::vector<Eigen::Triplet<double>>> rows(num_views);
   workers.forEach(num_views, [&](std::size_t v) {
-    std::vector<Square, Eigen::aligned_allocator<Square>> blocks(v + 1, Square::Zero());
-    std::vector<std::uint8_t> used(v + 1, 0);
+    constexpr std::uint32_t kNone = ~std::uint32_t{0};
+    std::vector<std::uint32_t> block_of(v + 1, kNone), used;  // of the views that share a point with this one
+    std::vector<Square, Eigen::aligned_allocator<Square>> blocks;
+    const auto blockAt = [&](std::size_t u) -> Square& {
+      if (block_of[u] == kNone) {
+        block_of[u] = static_cast<std::uint32_t>(blocks.size());
+        blocks.push_back(Square::Zero());
+        used.push_back(static_cast<std::uint32_t>(u));
+      }
+      return blocks[block_of[u]];
+    };
     Eigen::Matrix<double, D, 1> gradient = Eigen::Matrix<double, D, 1>::Zero();
-    used[v] = 1;
+    blockAt(v);
     for (std::uint32_t k = tracks.offsets[v]; k < tracks.offsets[v + 1]; ++k) {
       const float w = equations.weights[k];
       if (!(w > 0)) continue;
@@ -80,22 +90,24 @@ NormalEquations assemble(const Tracks& tracks, const Equations<D>& equations, co
         const float factor = (other == k ? w : 0) - w * equations.weights[other] / total;
         if (factor == 0) continue;
         const Eigen::Matrix<float, D, D> block = factor * jacobian * equations.jacobians[other].transpose();
-        blocks[u] += block.template cast<double>();
-        used[u] = 1;
+        blockAt(u) += block.template cast<double>();
       }
     }
     const auto base = static_cast<Eigen::Index>(v) * D;
     result.gradient.segment<D>(base) = gradient;
-    for (std::size_t u = 0; u <= v; ++u) {
-      if (!used[u]) continue;
+    std::sort(used.begin(), used.end());
+    for (const std::uint32_t u : used) {
       for (int r = 0; r < D; ++r) {
         for (int c = 0; c < (u == v ? r + 1 : D); ++c) {
-          rows[v].emplace_back(static_cast<int>(base) + r, static_cast<int>(u) * D + c, blocks[u](r, c));
+          rows[v].emplace_back(static_cast<int>(base) + r, static_cast<int>(u) * D + c, blocks[block_of[u]](r, c));
         }
       }
     }
   });
-  for (const auto& row : rows) result.lower.insert(result.lower.end(), row.begin(), row.end());
+  for (auto& row : rows) {
+    result.lower.insert(result.lower.end(), row.begin(), row.end());
+    row = {};
+  }
   return result;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/file_io.hpp"
@@ -26,9 +27,11 @@ struct MapSample {
 /// The same points whatever the chunks and threads: a hash of the position decides.
 MapSample samplePoints(Workspace& work, const Callbacks& callbacks) {
   const Recording& recording = work.recording();
-  const double wanted = work.params().alignment.alignment_points / kViewsPerPoint;
-  const double share =
-      wanted * static_cast<double>(work.usableViews().size()) / static_cast<double>(recording.numPoints());
+  const std::size_t num_views = work.usableViews().size();
+  const AlignmentParams& params = work.params().alignment;
+  const double of_view =
+      std::min(params.alignment_points / kViewsPerPoint, static_cast<double>(params.pointsPerView(num_views)));
+  const double share = of_view * static_cast<double>(num_views) / static_cast<double>(recording.numPoints());
   const std::vector<Field>& fields = recording.fields();
   const auto found = findField(fields, "intensity");
   const auto field = found ? found : findField(fields, "reflectivity");
