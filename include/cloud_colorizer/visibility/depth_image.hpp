@@ -44,6 +44,7 @@ struct DepthImage {
   float cell_size = 1;                            ///< px
   float pixel_angle = 1e-3F;                      ///< rad that a pixel spans, about
   std::shared_ptr<const EmptySpace> empty_space;  ///< points in it do not hide others, nor are they seen; may be null
+  std::shared_ptr<const void> owner;              ///< of the cells, where depth and edge do not own them
 
   /// Of a point at pixel (u, v); point [m] and surfel normal (or zero) in the camera's frame, surfel radius and
   /// thickness [m].

@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -102,6 +103,18 @@ void File::sync() {
 
 void File::close() {
   if (::close(std::exchange(descriptor_, -1)) != 0) throwErrno("write", path_, errno);
+}
+
+MappedFile::MappedFile(const std::string& path, std::size_t size) : size_(size) {
+  const File file(path, O_RDONLY);
+  require(file.size() >= size, "cannot read ", path, ": it has ", file.size(), " of ", size, " bytes");
+  if (size == 0) return;
+  data_ = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.descriptor(), 0);
+  if (data_ == MAP_FAILED) throwErrno("map", path, errno);
+}
+
+MappedFile::~MappedFile() {
+  if (size_ > 0) ::munmap(data_, size_);
 }
 
 AtomicFile::AtomicFile(const std::string& path) : path_(path), file_(createTemporary(path)) {}

@@ -35,6 +35,23 @@ class File {
   int descriptor_ = -1;
 };
 
+/// The first bytes of a file; only what is touched is read. The file must keep them while this lives.
+class MappedFile {
+ public:
+  /// Throws std::runtime_error with the path and the reason, also when the file is shorter.
+  MappedFile(const std::string& path, std::size_t size);
+  ~MappedFile();
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+
+  const std::uint8_t* data() const { return static_cast<const std::uint8_t*>(data_); }
+  std::size_t size() const { return size_; }
+
+ private:
+  void* data_ = nullptr;
+  std::size_t size_;
+};
+
 /// A file written front to back under a temporary name beside `path`, in large blocks, and renamed by commit():
 /// `path` holds either its old or its whole new content. Without commit() the temporary file is removed.
 class AtomicFile {

@@ -25,6 +25,12 @@ constexpr std::size_t kSurfelBytes = 6 * sizeof(float), kColorBytes = 4 * sizeof
 
 using Checksum = std::uint32_t;
 
+/// Before the cells of a depth image.
+struct DepthHead {
+  std::int32_t rows, cols;
+  float cell_size, pixel_angle;
+};
+
 Checksum checksum(const std::uint8_t* bytes, std::size_t size) {
   return static_cast<Checksum>(crc32_z(0, bytes, size));
 }
@@ -189,25 +195,27 @@ bool DerivedFiles::hasDepth(std::size_t view) const {
 
 void DerivedFiles::writeDepth(std::size_t view, const DepthImage& image) const {
   BlobWriter blob;
-  const std::int32_t size[2] = {image.depth.rows, image.depth.cols};
-  blob.add(size, 2);
-  blob.add(&image.cell_size, 1);
-  blob.add(&image.pixel_angle, 1);
+  const DepthHead head = {image.depth.rows, image.depth.cols, image.cell_size, image.pixel_angle};
+  blob.add(&head, 1);
   blob.add(image.depth.ptr<float>(), image.depth.total());
   blob.add(image.edge.ptr<std::uint8_t>(), image.edge.total());
   blob.save(depthFile(view));
 }
 
 DepthImage DerivedFiles::readDepth(std::size_t view) const {
-  BlobReader blob(depthFile(view));
-  const auto rows = blob.read<std::int32_t>(), cols = blob.read<std::int32_t>();
+  const std::string path = depthFile(view);
+  DepthHead head{};
+  File(path, O_RDONLY).readAt(0, &head, sizeof(head));
+  const std::size_t cells = static_cast<std::size_t>(head.rows) * static_cast<std::size_t>(head.cols);
+  const auto file = std::make_shared<const MappedFile>(path, sizeof(head) + cells * (sizeof(float) + 1));
+  // Nobody writes to an image that was read.
+  auto* const bytes = const_cast<std::uint8_t*>(file->data()) + sizeof(head);
   DepthImage image;
-  image.cell_size = blob.read<float>();
-  image.pixel_angle = blob.read<float>();
-  image.depth.create(rows, cols);
-  image.edge.create(rows, cols);
-  blob.read(image.depth.ptr<float>(), image.depth.total());
-  blob.read(image.edge.ptr<std::uint8_t>(), image.edge.total());
+  image.cell_size = head.cell_size;
+  image.pixel_angle = head.pixel_angle;
+  image.depth = cv::Mat1f(head.rows, head.cols, reinterpret_cast<float*>(bytes));
+  image.edge = cv::Mat1b(head.rows, head.cols, bytes + cells * sizeof(float));
+  image.owner = file;
   return image;
 }
 

@@ -49,7 +49,7 @@ class FolderLock {
 
 /// A unit of work (a tile's surfels, a view's depth image, a tile's colours) is one file, written under a temporary
 /// name and renamed, with a checksum at its end: it is whole, or counts as absent. Each folder holds key.txt, which
-/// tells what its files were made from. What a has...() did not find whole, a read...() throws on.
+/// tells what its files were made from. What a has...() did not find whole, a read...() throws on, but for readDepth().
 class DerivedFiles {
  public:
   explicit DerivedFiles(const Recording& recording) : recording_(recording) {}
@@ -69,7 +69,8 @@ class DerivedFiles {
 
   bool hasDepth(std::size_t view) const;
   void writeDepth(std::size_t view, const DepthImage& image) const;
-  DepthImage readDepth(std::size_t view) const;  ///< without its empty space
+  /// Without its empty space. Only the cells that are asked for are read, so hasDepth() must have found it whole.
+  DepthImage readDepth(std::size_t view) const;
 
   bool hasColors(std::size_t tile) const;
   void writeColors(std::size_t tile, const TileColors& colors, const ToneCells& tone) const;

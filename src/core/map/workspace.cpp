@@ -39,10 +39,7 @@ Workspace::Workspace(const Recording& recording, const Params& params)
             return Surface{recording_.readPoints(tile), files_.readSurfels(tile)};
           },
           [](const Surface& surface) { return bytesOf(surface); }),
-      images_(
-          MemoryPlan(params.colorize.memory_limit).images(),
-          [this](std::size_t view) { return recording_.readImage(view); },
-          [](const cv::Mat& image) { return bytesOf(image); }),
+      images_(recording, MemoryPlan(params.colorize.memory_limit).images()),
       depths_(
           MemoryPlan(params.colorize.memory_limit).depthImages(),
           [this](std::size_t view) {

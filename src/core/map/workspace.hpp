@@ -12,6 +12,7 @@
 #include "cloud_colorizer/map/params.hpp"
 #include "cloud_colorizer/recording/recording.hpp"
 #include "cloud_colorizer/visibility/observe.hpp"
+#include "map/decoded_images.hpp"
 #include "map/derived_files.hpp"
 #include "map/lru_cache.hpp"
 #include "recording/scan_times.hpp"
@@ -69,7 +70,7 @@ class Workspace {
   ScanTimes scan_times_;
   LruCache<ScanRanges> scans_;
   LruCache<Surface> surfaces_;
-  LruCache<cv::Mat> images_;
+  DecodedImages images_;
   LruCache<DepthImage> depths_;
 };
 

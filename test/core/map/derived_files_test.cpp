@@ -127,11 +127,12 @@ TEST_F(DerivedFilesTest, WhatIsDamagedCountsAsAbsentAndIsNeverRead) {
       EXPECT_FALSE(is_whole()) << name;
     }
   }
-  for (const char* name : {"surfels/0_0_0.bin", "depth/000002.bin", "colored/0_0_0.bin"}) {
-    damage(files_.pathOf(name), random);
-  }
+  for (const char* name : {"surfels/0_0_0.bin", "colored/0_0_0.bin"}) damage(files_.pathOf(name), random);
   EXPECT_ERROR(files_.readSurfels(0), "surfels/0_0_0.bin");
-  EXPECT_ERROR(files_.readDepth(2), "depth/000002.bin");
+  for (const std::size_t size : {0, 15, 40}) {  // of a depth image the size alone is looked at again
+    writeText(files_.pathOf("depth/000002.bin"), std::string(size, '\1'));
+    EXPECT_ERROR(files_.readDepth(2), "depth/000002.bin");
+  }
   EXPECT_ERROR(files_.readColors(0), "colored/0_0_0.bin");
 }
 

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The images of a recording, each decoded once.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "base/file_io.hpp"
+#include "cloud_colorizer/recording/recording.hpp"
+#include "map/lru_cache.hpp"
+
+namespace cloud_colorizer {
+
+/// In memory as far as they fit there. Where not all do, and the disk has room, their pixels also go into a folder of
+/// the recording, from which only those that a part of the map falls on are read. Safe to use from several threads.
+class DecodedImages {
+ public:
+  DecodedImages(const Recording& recording, std::size_t max_bytes);
+  ~DecodedImages();  ///< removes the folder
+  DecodedImages(const DecodedImages&) = delete;
+  DecodedImages& operator=(const DecodedImages&) = delete;
+
+  /// RGB, 8 bits. Throws as Recording::readImage().
+  std::shared_ptr<const cv::Mat> get(std::size_t view);
+
+ private:
+  struct Decoded {
+    cv::Mat image;
+    std::shared_ptr<const MappedFile> pixels;  ///< of the image; null where it has its own
+  };
+
+  Decoded load(std::size_t view);
+  void prepareFolder();
+
+  Recording recording_;
+  std::size_t max_bytes_;
+  std::string folder_;
+  std::once_flag prepared_;
+  bool on_disk_ = false;
+  LruCache<Decoded> images_;
+};
+
+}  // namespace cloud_colorizer
