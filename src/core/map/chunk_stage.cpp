@@ -73,6 +73,17 @@ TileColors gatherColors(const Fused& colors, const std::vector<Unseen>& unseen, 
   return tile;
 }
 
+/// The views of a chunk: of good ones that come first, the others are found worse at a glance.
+std::vector<std::size_t> nearestFirst(const Workspace& work, const Chunk& chunk) {
+  std::vector<std::size_t> views = work.viewsOf(chunk.box_with_halo);
+  const Eigen::Vector3d center = chunk.box_with_halo.center().cast<double>();
+  const auto distance = [&](std::size_t view) {
+    return (work.corrections()[view].map_from_camera.translation() - center).squaredNorm();
+  };
+  std::stable_sort(views.begin(), views.end(), [&](auto a, auto b) { return distance(a) < distance(b); });
+  return views;
+}
+
 void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid) {
   Surface surface = gatherChunk(work, chunk);
   // In Z-order, what is near in space is near in memory: several times faster gradients and factorisation.
@@ -80,7 +91,7 @@ void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid) {
   const std::vector<Index> order(sorted.begin(), sorted.end());
   surface = gatherSurface(surface, order);
 
-  const std::vector<std::size_t> views = work.viewsOf(chunk.box_with_halo);
+  const std::vector<std::size_t> views = nearestFirst(work, chunk);
   const auto viewAt = [&](std::size_t k) { return work.observedView(views[k]); };
   const Params& params = work.params();
   ObserveResult seen = observe(surface.points, surface.surfels, views.size(), viewAt, params.depth, params.observe);

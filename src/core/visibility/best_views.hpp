@@ -37,14 +37,21 @@ class BestViews {
   /// Some view tells that the point is hidden from it.
   void markHidden(std::size_t point) { points_[point].hidden = 1; }
 
+  /// Whether no view of at most this weight, nor its telling that the point is hidden, can change anything.
+  bool isSettled(std::size_t point, float weight) const {
+    return points_[point].clear && weight < points_[point].worst;
+  }
+
   /// Keeps it if it is among the best. The first clear one drops those at edges.
   void add(std::size_t point, const Candidate& candidate, const float* values, bool edge) {
     List& list = points_[point];
     if (edge && list.clear) return;
-    if (!edge && !list.clear) list.clear = true, list.count = 0;
+    if (!edge && !list.clear) list.clear = true, list.count = 0, list.worst = 0;
+    if (candidate.weight < list.worst) return;
     const std::uint32_t at = list.count < max_views_ ? slot(list, list.count++) : worstIfWorse(list, candidate);
     if (at == kNone) return;
     candidates_[at] = candidate;
+    if (list.count == max_views_) list.worst = candidates_[worstOf(list)].weight;
     std::copy(values, values + channels_, values_.begin() + static_cast<std::ptrdiff_t>(at * channels_));
   }
 
@@ -57,6 +64,7 @@ class BestViews {
   struct List {
     std::uint32_t first = kNone;  // block
     std::uint32_t count : 30, clear : 1, hidden : 1;
+    float worst = 0;  // weight of what is kept, once there are max_views
     List() : count(0), clear(0), hidden(0) {}
   };
 
@@ -81,12 +89,20 @@ class BestViews {
     return a.weight != b.weight ? a.weight > b.weight : a.view < b.view;
   }
 
-  std::uint32_t worstIfWorse(List& list, const Candidate& candidate) {
-    std::uint32_t worst = slot(list, 0);
-    for (std::uint32_t i = 1; i < list.count; ++i) {
-      const std::uint32_t at = slot(list, i);
-      if (better(candidates_[worst], candidates_[at])) worst = at;
+  /// Slot of the one that goes first.
+  std::uint32_t worstOf(const List& list) const {
+    std::uint32_t worst = list.first * kBlock, left = list.count;
+    for (std::uint32_t block = list.first; left > 0; block = next_[block]) {
+      const std::uint32_t end = block * kBlock + std::min(left, kBlock);
+      for (std::uint32_t at = block * kBlock; at < end; ++at) {
+        if (better(candidates_[worst], candidates_[at])) worst = at;
+      }
+      left -= std::min(left, kBlock);
     }
+    return worst;
+  }
+  std::uint32_t worstIfWorse(const List& list, const Candidate& candidate) const {
+    const std::uint32_t worst = worstOf(list);
     return better(candidate, candidates_[worst]) ? worst : kNone;
   }
 

@@ -171,6 +171,13 @@ class Looker {
       ++stats.absent;
       return Unseen::kAbsent;
     }
+    const Eigen::Vector3f normal = rotation_ * surfels.normals.col(glance.point);
+    const float distance = glance.position.norm();
+    float quality = view_.weight * weight(glance.position, normal, radius, distance, glance.margin);
+    if (best.isSettled(glance.point, quality)) {
+      ++stats.worse;
+      return Unseen::kSeen;
+    }
     if (glance.sight.visibility == Visibility::kHidden || isAlone(g, surfels)) {
       ++stats.hidden;
       best.markHidden(glance.point);
@@ -182,9 +189,6 @@ class Looker {
     }
     const bool edge = glance.sight.visibility == Visibility::kEdge;
     ++(edge ? stats.edge : stats.seen);
-    const float distance = glance.position.norm();
-    const Eigen::Vector3f normal = rotation_ * surfels.normals.col(glance.point);
-    float quality = view_.weight * weight(glance.position, normal, radius, distance, glance.margin);
     if (saturated_) quality *= kSaturatedWeight;
     best.add(glance.point, {view_.id, distance, quality}, values_.data(), edge);
     return Unseen::kSeen;
