@@ -34,7 +34,8 @@ struct ColorizeParams {
   Tone tone = Tone::kDisplay;
   double fill_distance = 0.3;  ///< m; `uncolored: fill` takes the colour of the nearest coloured point within it
   int num_threads = 0;         ///< 0: one a core
-  double memory_limit = 1500;  ///< MB for chunks in work, images and depth images together
+  double memory_limit = 0;     ///< MB for chunks in work, images and depth images together; 0: half of the machine's
+                               ///< memory, at most 4000
 
   void check() const;
 };
@@ -91,7 +92,7 @@ void visitMainParams(ParamsT& p, F&& f) {
     "display (each place as bright as its images) or radiance (one exposure; fields radiance_...)");
   f("uncolored", p.colorize.uncolored, "keep, drop or fill the points that no view sees");
   f("num_threads", p.colorize.num_threads, "0: one a core");
-  f("memory_limit", p.colorize.memory_limit, "MB for chunks, images and depth images together");
+  f("memory_limit", p.colorize.memory_limit, "MB for chunks, images and depth images together; 0: half of the memory, at most 4000");
 }
 
 /// The main ones first.

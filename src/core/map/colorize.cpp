@@ -5,6 +5,7 @@
 #include "base/stop_watch.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "map/colored_map.hpp"
+#include "map/memory_plan.hpp"
 #include "map/stages.hpp"
 
 namespace cloud_colorizer {
@@ -24,6 +25,10 @@ ColorizeSummary colorize(const Recording& recording, const Params& params, const
   params.check();
   requireColorable(recording);
 
+  if (params.colorize.memory_limit == 0 && callbacks.log) {
+    const auto megabytes = static_cast<long>(MemoryPlan(0).limit / 1e6);
+    callbacks.log(LogLevel::kInfo, "memory_limit: " + std::to_string(megabytes) + " MB");
+  }
   const FolderLock lock(recording.directory(), true);
   Workspace work(recording, params);
   checkImages(work, callbacks);      // per view: is its image whole

@@ -9,7 +9,8 @@
 namespace cloud_colorizer {
 
 struct MemoryPlan {
-  explicit MemoryPlan(double memory_limit_mb) : limit(memory_limit_mb * 1e6) {}
+  /// 0: half of the memory that there is, at most 4 GB.
+  explicit MemoryPlan(double memory_limit_mb);
 
   double limit;  ///< bytes, of all together
 

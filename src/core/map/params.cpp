@@ -38,7 +38,7 @@ std::vector<std::string> enumNames(AlignPoses) {
 void ColorizeParams::check() const {
   requireInRange("fill_distance", fill_distance, 0.0, 1e3);
   requireInRange("num_threads", num_threads, 0, 1024);
-  requireInRange("memory_limit", memory_limit, 100.0, 1e7);
+  if (memory_limit != 0) requireInRange("memory_limit", memory_limit, 100.0, 1e7);
 }
 
 void Params::check() const {

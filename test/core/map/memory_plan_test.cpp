@@ -22,5 +22,11 @@ TEST(MemoryPlan, AChunkOfTheDefaultSizeFits) {
   EXPECT_LT(MemoryPlan::chunkBytes(300000), static_cast<double>(MemoryPlan(1500).chunks()));
 }
 
+TEST(MemoryPlan, ZeroIsHalfOfTheMemoryButNotMoreThanFourGigabytes) {
+  const double limit = MemoryPlan(0).limit;
+  EXPECT_GE(limit, 1e8);
+  EXPECT_LE(limit, 4e9);
+}
+
 }  // namespace
 }  // namespace cloud_colorizer

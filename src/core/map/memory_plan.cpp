@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map/memory_plan.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+
+namespace cloud_colorizer {
+namespace {
+
+/// Bytes of the machine, or of the container where that has fewer.
+double memoryOfMachine() {
+  double bytes = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  for (const char* path : {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
+    std::ifstream file(path);
+    double limit = 0;
+    if (file >> limit && limit > 0) bytes = std::min(bytes, limit);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+MemoryPlan::MemoryPlan(double memory_limit_mb)
+    : limit(memory_limit_mb > 0 ? memory_limit_mb * 1e6 : std::min(4e9, std::max(1e8, memoryOfMachine() / 2))) {}
+
+}  // namespace cloud_colorizer
