@@ -185,7 +185,8 @@ ToneField::ToneField(const ToneCells& cells, const std::vector<float>& log_gains
         std::isfinite(sum.peak) && !sum.views.empty() && sum.views.rbegin()->first < log_gains.size(), "tone: cell (",
         at[0], ", ", at[1], ", ", at[2], ") has no views that there are");
   }
-  if (tone == Tone::kDisplay) {
+  const auto isOne = [](float log_gain) { return log_gain == 0; };
+  if (tone == Tone::kDisplay && !std::all_of(log_gains.begin(), log_gains.end(), isOne)) {
     const std::vector<double> solved = solveTone(cells, log_gains);
     Field field;
     std::size_t c = 0;

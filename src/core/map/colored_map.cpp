@@ -47,6 +47,7 @@ bool marksMoving(const Recording& recording, const Params& params) {
 
 /// What is saved of a tile, one column or element a point.
 struct TileToSave {
+  Points points;
   TileColors colors;                 ///< as they are shown: 0 to 255
   Values radiance;                   ///< 3 x n, or empty: not saved
   std::vector<std::uint8_t> moving;  ///< or empty: not saved
@@ -100,7 +101,6 @@ std::vector<Field> mapFields(const Recording& recording, bool with_radiance, boo
 }
 
 Cloud makeCloud(const Recording& recording, std::size_t tile, const TileToSave& saved, bool relative) {
-  const Points points = recording.readPoints(tile);
   const std::vector<std::uint8_t> records = recording.readRecords(tile);
   const std::vector<Field> kept = keptFields(recording.fields());
   const RecordMap record_map(recording.fields(), kept);
@@ -116,7 +116,7 @@ Cloud makeCloud(const Recording& recording, std::size_t tile, const TileToSave& 
   Index next = 0;
   for (std::size_t i = 0; i < saved.keep.size(); ++i) {
     if (!saved.keep[i]) continue;
-    cloud.positions.col(next++) = points.col(static_cast<Index>(i)).cast<double>() + origin;
+    cloud.positions.col(next++) = saved.points.col(static_cast<Index>(i)).cast<double>() + origin;
     if (kept_bytes > 0) record_map.copy(records.data() + i * in_bytes, out);
     out = writeColor(saved, i, out + kept_bytes);
   }
@@ -159,12 +159,12 @@ class ColoredTiles {
     const bool marks = marksMoving(work_.recording(), work_.params());
     const ToneField tone = makeTone(work_);
     for (std::size_t tile = 0; tile < work_.recording().tiles().size(); ++tile) {
-      TileToSave saved{work_.files().readColors(tile), {}, movingOf(tile), {}};
+      TileToSave saved{work_.recording().readPoints(tile), work_.files().readColors(tile), {}, movingOf(tile), {}};
       if (uncolored() == Uncolored::kFill) fillUncolored(work_, tile, saved.colors);
       saved.keep = kept(saved.colors, saved.moving);
       if (!marks) saved.moving.clear();
       if (work_.params().colorize.tone == Tone::kRadiance) saved.radiance = saved.colors.values;
-      show(tone, work_.recording().readPoints(tile), saved.colors);
+      show(tone, saved.points, saved.colors);
       visitor(makeCloud(work_.recording(), tile, saved, relative));
     }
   }
