@@ -92,7 +92,8 @@ void visitMainParams(ParamsT& p, F&& f) {
     "display (each place as bright as its images) or radiance (one exposure; fields radiance_...)");
   f("uncolored", p.colorize.uncolored, "keep, drop or fill the points that no view sees");
   f("num_threads", p.colorize.num_threads, "0: one a core");
-  f("memory_limit", p.colorize.memory_limit, "MB for chunks, images and depth images together; 0: half of the memory, at most 4000");
+  f("memory_limit", p.colorize.memory_limit,
+    "MB for chunks, images and depth images together; 0: half of the memory, at most 4000");
 }
 
 /// The main ones first.

@@ -14,8 +14,8 @@
 namespace cloud_colorizer::alignment {
 namespace {
 
-constexpr double kCoarsestBlur = 8;  // px of the small images: beyond it too little texture is left
-constexpr double kBlurRatio = 0.6;   // from one level to the next
+constexpr double kCoarsestBlur = 8;     // px of the small images: beyond it too little texture is left
+constexpr double kBlurRatio = 0.6;      // from one level to the next
 constexpr std::size_t kMinShared = 60;  // points that a view must share with others
 
 }  // namespace

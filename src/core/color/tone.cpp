@@ -49,20 +49,20 @@ std::vector<double> solveTone(const ToneCells& cells, const std::vector<float>& 
 }
 
 /// Values of cells.
-struct Weighted {
+struct WeightedFactor {
   double sum = 0, weight = 0;
 };
-using Field = std::map<ToneCell, Weighted>;
+using CellFactors = std::map<ToneCell, WeightedFactor>;
 
 /// Every cell counts in those around it as well. One axis after the other.
-Field blurred(Field field) {
+CellFactors blurred(CellFactors field) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    Field wider;
+    CellFactors wider;
     for (const auto& [cell, value] : field) {
       for (std::size_t k = 0; k < kBlur.size(); ++k) {
         ToneCell beside = cell;
         beside[axis] += static_cast<std::int32_t>(k) - 2;
-        Weighted& at = wider[beside];
+        WeightedFactor& at = wider[beside];
         at.sum += kBlur[k] * value.sum;
         at.weight += kBlur[k] * value.weight;
       }
@@ -188,7 +188,7 @@ ToneField::ToneField(const ToneCells& cells, const std::vector<float>& log_gains
   const auto isOne = [](float log_gain) { return log_gain == 0; };
   if (tone == Tone::kDisplay && !std::all_of(log_gains.begin(), log_gains.end(), isOne)) {
     const std::vector<double> solved = solveTone(cells, log_gains);
-    Field field;
+    CellFactors field;
     std::size_t c = 0;
     for (const auto& [at, sum] : cells) {
       double weight = 0;
