@@ -3,11 +3,7 @@
 #include "map/stages.hpp"
 
 namespace cloud_colorizer {
-
-double toneCellSize(const Recording& recording) {
-  constexpr int kCellsPerTile = 8;  // a whole number, so that every cell has its points from one tile
-  return recording.tileSize() / kCellsPerTile;
-}
+namespace {
 
 /// Of each view, mean over the channels of the logarithm of its gain.
 std::vector<float> logGains(const std::vector<CorrectedView>& views) {
@@ -17,6 +13,13 @@ std::vector<float> logGains(const std::vector<CorrectedView>& views) {
     logs.push_back(gain.size() > 0 ? gain.log().mean() : 0.F);
   }
   return logs;
+}
+
+}  // namespace
+
+double toneCellSize(const Recording& recording) {
+  constexpr int kCellsPerTile = 8;  // a whole number, so that every cell has its points from one tile
+  return recording.tileSize() / kCellsPerTile;
 }
 
 ToneField makeTone(const Workspace& work) {

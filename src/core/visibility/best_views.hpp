@@ -48,8 +48,9 @@ class BestViews {
     if (edge && list.clear) return;
     if (!edge && !list.clear) list.clear = true, list.count = 0, list.worst = 0;
     if (candidate.weight < list.worst) return;
-    const std::uint32_t at = list.count < max_views_ ? slot(list, list.count++) : worstIfWorse(list, candidate);
-    if (at == kNone) return;
+    const bool full = list.count == max_views_;
+    const std::uint32_t at = full ? worstOf(list) : slot(list, list.count++);
+    if (full && !better(candidate, candidates_[at])) return;
     candidates_[at] = candidate;
     if (list.count == max_views_) list.worst = candidates_[worstOf(list)].weight;
     std::copy(values, values + channels_, values_.begin() + static_cast<std::ptrdiff_t>(at * channels_));
@@ -100,10 +101,6 @@ class BestViews {
       left -= std::min(left, kBlock);
     }
     return worst;
-  }
-  std::uint32_t worstIfWorse(const List& list, const Candidate& candidate) const {
-    const std::uint32_t worst = worstOf(list);
-    return better(candidate, candidates_[worst]) ? worst : kNone;
   }
 
   std::uint32_t max_views_;

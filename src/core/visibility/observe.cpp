@@ -171,6 +171,12 @@ class Looker {
       ++stats.absent;
       return Unseen::kAbsent;
     }
+    const auto hide = [&] {
+      ++stats.hidden;
+      best.markHidden(glance.point);
+      return Unseen::kHidden;
+    };
+    if (glance.sight.visibility == Visibility::kHidden) return hide();
     const Eigen::Vector3f normal = rotation_ * surfels.normals.col(glance.point);
     const float distance = glance.position.norm();
     float quality = view_.weight * weight(glance.position, normal, radius, distance, glance.margin);
@@ -178,11 +184,7 @@ class Looker {
       ++stats.worse;
       return Unseen::kSeen;
     }
-    if (glance.sight.visibility == Visibility::kHidden || isAlone(g, surfels)) {
-      ++stats.hidden;
-      best.markHidden(glance.point);
-      return Unseen::kHidden;
-    }
+    if (isAlone(g, surfels)) return hide();
     if (!take(glance.pixel)) {
       ++stats.masked;
       return Unseen::kMasked;
