@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// evaluate tables|ablations|heldout|score|visibility|visible ...: the paper's tables, and scores of any result.
+/// evaluate tables|ablations|heldout|score|visibility|visible|city ...: the paper's tables, and scores of any result.
 #include <cstdio>
 #include <map>
 #include <string>
@@ -20,6 +20,7 @@ const char* const kHelp =
     "  score       compares two coloured clouds\n"
     "  visibility  scores a map of the simulated street against the true line of sight\n"
     "  visible     what a camera certainly saw: the share that got a colour\n"
+    "  city        scores a map of `simulate city` of any size\n"
     "\n"
     "`evaluate COMMAND --help` tells more. Exit codes: 0 done, 1 failed, 2 bad command line.\n";
 
@@ -31,8 +32,8 @@ int main(int argc, char** argv) {
 #ifdef CLOUD_COLORIZER_ROS
       {"visible", runVisible},
 #endif
-      {"tables", runTables},   {"ablations", runAblations},  {"heldout", runHeldout},
-      {"score", runScore},     {"visibility", runVisibility}};
+      {"tables", runTables},   {"ablations", runAblations},   {"heldout", runHeldout},
+      {"score", runScore},     {"visibility", runVisibility}, {"city", runCity}};
   const std::string command = argc > 1 ? argv[1] : "";
   if (command == "--help" || command == "-h") {
     std::fputs(kHelp, stdout);

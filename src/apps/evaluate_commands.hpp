@@ -12,5 +12,6 @@ int runHeldout(int argc, char** argv);
 int runScore(int argc, char** argv);
 int runVisibility(int argc, char** argv);
 int runVisible(int argc, char** argv);
+int runCity(int argc, char** argv);
 
 }  // namespace cloud_colorizer

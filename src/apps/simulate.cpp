@@ -9,6 +9,7 @@
 
 #include "apps/command_line.hpp"
 #include "apps/drive_bag.hpp"
+#include "apps/simulate_city.hpp"
 #include "base/file_io.hpp"
 #include "base/parallel.hpp"
 #include "base/stop_watch.hpp"
@@ -32,7 +33,7 @@ CommandSpec simulateSpec() {
       "  truth.ply        where the LiDAR's rays really ended, with the true colours\n"
       "  truth_poses.csv  true pose and gain of every image\n"
       "  scene.yaml       all options, true and given extrinsics\n"
-      "The same options write the same bytes.";
+      "The same options write the same bytes. `simulate city --help`: the street as a dense cloud with photographs.";
   spec.takes_params = false;
   spec.options = {{"output", "DIR", "is made when missing; files of these names in it are replaced", true},
                   {"threads", "N", "0: one a core (0)"}};
@@ -149,5 +150,6 @@ void simulate(const CommandLine& line, const Callbacks& callbacks) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "city") return runSimulateCity(argc - 1, argv + 1);
   return runMain(argc, argv, simulateSpec(), simulate);
 }

@@ -91,12 +91,12 @@ Intrinsics intrinsicsOf(const Options& options, DistortionModel model) {
   Intrinsics k;
   k.width = options.width;
   k.height = options.height;
-  k.model = model;
+  k.model = options.pinhole ? DistortionModel::kPlumbBob : model;
   k.fx = lens.fx * w;
   k.fy = lens.fy * w;
   k.cx = 0.5 * (w - 1) + 0.006 * w;
   k.cy = 0.5 * (options.height - 1) - 0.004 * w;
-  k.distortion = lens.distortion;
+  if (!options.pinhole) k.distortion = lens.distortion;
   return k;
 }
 

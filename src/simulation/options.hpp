@@ -28,6 +28,7 @@ struct Options {
   int leaves = 0;  ///< of a tree; 0: closed crowns
 
   int width = 1280, height = 800;  ///< px
+  bool pinhole = false;            ///< lenses without distortion
   double pixel_noise = 2;          ///< standard deviation, of 255
   double exposure = 0.12;          ///< largest deviation of the auto-exposure's gain from 1
   double white_balance = 0.03;     ///< largest deviation of a channel's gain of a camera
@@ -80,6 +81,7 @@ void visitOptions(Options_& o, F&& f) {
   f("leaves", o.leaves, Range{0, 2000}, "of a tree; 0: closed crowns");
   f("width", o.width, Range{16, 8192}, "px of the images");
   f("height", o.height, Range{16, 8192}, "px of the images");
+  f("pinhole", o.pinhole, Range{}, "lenses without distortion");
   f("pixel-noise", o.pixel_noise, Range{0.0, 50.0}, "standard deviation of the noise of a pixel, of 255");
   f("exposure", o.exposure, Range{0.0, 0.75}, "largest deviation of the gain of the auto-exposure from 1");
   f("white-balance", o.white_balance, Range{0.0, 0.5}, "largest deviation of a channel's gain of a camera from 1");

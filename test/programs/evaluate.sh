@@ -45,6 +45,19 @@ for method in closest mean median paper default; do
 done
 ls "$tmp"/heldout/view_*.png >"$tmp/log" || problem "no pictures of held-out views"
 
+# ---- a city: from points and photographs to a score ----
+expect 0 'points 100 %' simulate city --output "$tmp/city" --points 30000 --views 6 --image-size 320x240
+city=(--cloud "$tmp/city/cloud.ply" --images "$tmp/city/images" --model "$tmp/city/model")
+expect 0 'saved' colorize_map "${city[@]}" --recording "$tmp/city_recording" --output "$tmp/city.ply" method=paper \
+  max_chunk_points=8000
+expect 0 'visible points coloured: [7-9][0-9]' evaluate city "$tmp/city.ply" --recording "$tmp/city_recording" \
+  max_chunk_points=8000
+grep -q 'at borders of chunks' "$tmp/log" || problem "evaluate city tells nothing about borders"
+expect 1 'not those of the cloud' evaluate city "$tmp/city.ply" --cloud "$tmp/city/cloud.ply"
+expect 1 'true_red' evaluate city "$tmp/map.ply"
+expect 2 'image-size' simulate city --output "$tmp/none" --image-size 100
+expect 2 'views' simulate city --output "$tmp/none" --views 1
+
 # ---- bad input ----
 expect 1 'leaves none out' evaluate heldout "$tmp/recording" --every 1000 --output "$tmp/none"
 expect 1 'nowhere' evaluate tables --meshes "$tmp/nowhere" --output "$tmp/none"

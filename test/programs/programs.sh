@@ -14,7 +14,8 @@ expect 0 '--output.*--eye.*--field' render_map --help
 expect 0 '--frames' simulate --help
 expect 0 '^cloud_colorizer [0-9]+\.[0-9]+\.[0-9]+$' colorize --version
 expect 0 'score' evaluate --help
-for command in tables ablations heldout score visibility; do expect 0 "Usage: evaluate $command" evaluate $command --help; done
+expect 0 '--image-size' simulate city --help
+for command in tables ablations heldout score visibility city; do expect 0 "Usage: evaluate $command" evaluate $command --help; done
 for program in colorize_bag colorize_map colorize; do
   expect 0 '^  lambda=1 ' $program --help
   grep -q 'Exit codes' "$tmp/log" || problem "$program --help tells no exit codes"
