@@ -38,7 +38,8 @@ class Camera {
   explicit Camera(const Intrinsics& intrinsics);
 
   const Intrinsics& intrinsics() const { return intrinsics_; }
-  double maxAngle() const { return max_angle_; }  ///< rad, from the optical axis
+  double pixelAngle() const { return 1 / std::sqrt(intrinsics_.fx * intrinsics_.fy); }  ///< rad, in the middle
+  double maxAngle() const { return max_angle_; }                                        ///< rad, from the optical axis
 
   /// Pixel (u, v) of a point in the camera's frame [m]; empty when behind, beyond maxAngle() or outside the image
   /// ([-0.5, width - 0.5) x [-0.5, height - 0.5)).

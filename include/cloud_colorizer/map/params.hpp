@@ -105,7 +105,8 @@ void visitParams(ParamsT& p, F&& f) {
   f("tile_size", p.record.tile_size, "m, side of a tile of the recording; 0: 200 voxels");
   f("scan_resolution", p.record.scan_resolution,
     "deg a cell of the scans that tell empty space; 0: none are kept, and none used");
-  f("depth_cell_size", p.depth.depth_cell_size, "px of the image to a cell of the depth image");
+  f("depth_cell_size", p.depth.depth_cell_size,
+    "px of the image to a cell of the depth image; 0: 1/640 of its longer side, 2 at least");
   f("depth_tolerance", p.depth.depth_tolerance, "share of the depth by which a visible point may lie behind");
   f("depth_edge_guard", p.depth.depth_edge_guard, "px beside a depth edge, used only where no view sees better");
   f("clear_radius", p.depth.clear_radius,

@@ -22,7 +22,7 @@ struct RecordParams {
   double voxel_size = 0.05;        ///< m; one point a voxel is kept; 0 keeps all
   double min_range = 1;            ///< m from the sensor; nearer points are dropped
   double max_range = 60;           ///< m from the sensor; farther points are dropped
-  double tile_size = 0;            ///< m, side of a tile; 0: 200 voxels, or 10 m where voxel_size is 0
+  double tile_size = 0;            ///< m, side of a tile; 0: 200 voxels, or 2.5 m where voxel_size is 0
   double keyframe_distance = 0.5;  ///< m; a view is kept when its camera moved this far since its last view,
   double keyframe_angle = 10;      ///< deg; or turned by this angle
   double scan_resolution = 0.5;    ///< deg a cell of the scans that tell empty space; 0: none are kept, and none used

@@ -31,6 +31,12 @@ struct Surfels {
   Eigen::Vector3f onSurface(Eigen::Index i, const Eigen::Vector3f& point) const {
     return offsets.size() == 0 ? point : Eigen::Vector3f(point + offsets[i] * normals.col(i));
   }
+  Points onSurface(PointsRef points) const;  ///< all of them
+  /// `count` columns from `first` on. All members have a column for each point.
+  Surfels segment(Eigen::Index first, Eigen::Index count) const {
+    return {normals.middleCols(first, count), radii.segment(first, count), offsets.segment(first, count),
+            thicknesses.segment(first, count)};
+  }
   float thickness(Eigen::Index i) const { return thicknesses.size() == 0 ? 0.0F : thicknesses[i]; }
 };
 

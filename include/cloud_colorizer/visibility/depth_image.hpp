@@ -16,7 +16,7 @@
 namespace cloud_colorizer {
 
 struct DepthParams {
-  double depth_cell_size = 2;      ///< px of the image to a cell of the depth image
+  double depth_cell_size = 0;      ///< px of the image to a cell of the depth image; 0: as cellSize() tells
   double depth_tolerance = 0.002;  ///< share of the depth by which a visible point may lie behind the surface, besides
                                    ///< a quarter of its surfel radius and what the slant of the surface explains
   double depth_edge_guard = 3;     ///< px; nearer than this to a depth edge an observation counts as "edge"
@@ -24,6 +24,9 @@ struct DepthParams {
   double clear_radius = 0;         ///< m; nothing that stays was so near to where a camera has been: it does not hide
 
   void check() const;
+  /// px, for an image of this size: 1 / 640 of its longer side, but 2 px at least. Errors of poses and calibration are
+  /// angles; they span the more pixels the more there are.
+  double cellSize(const Intrinsics& intrinsics) const;
 };
 
 /// kAbsent: the scan of that moment saw through the place, so that nothing was there.

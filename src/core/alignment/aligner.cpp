@@ -25,7 +25,7 @@ Aligner::Aligner(const AlignmentInput& input, double thickness, const AlignmentP
     : input_(input),
       params_(params),
       workers_(input.num_threads, callbacks),
-      runs_(makeRuns(input.points, input.surfels)),
+      runs_(makeRuns(input.surfels.onSurface(input.points), input.surfels)),
       images_(input),
       sights_(input.views.size()) {
   max_points_ = params.pointsPerView(input.views.size());

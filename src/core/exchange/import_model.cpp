@@ -22,8 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kBlock = 1000000;    // points
-constexpr double kPointsPerTile = 100000;  // of a surface that fills the cloud's extent once
+constexpr std::size_t kBlock = 1000000;  // points
+constexpr double kPointsPerTile = 6000;  // of a surface that fills the cloud's extent once
 
 struct Extent {
   Eigen::AlignedBox3d box;

@@ -123,7 +123,6 @@ void colorChunks(Workspace& work, const Callbacks& callbacks) {
   std::stable_sort(chunks.begin(), chunks.end(),
                    [](const Chunk& a, const Chunk& b) { return a.num_points_with_halo > b.num_points_with_halo; });
   const ZOrderGrid grid = globalGrid(recording);
-
   const DerivedFiles& files = work.files();
   files.claim(kColorsFolder, colorsKey(recording, params, work.damagedViews(), work.corrections()));
   MemoryBudget memory(static_cast<double>(MemoryPlan(params.colorize.memory_limit).chunks()));

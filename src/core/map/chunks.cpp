@@ -3,9 +3,12 @@
 #include "cloud_colorizer/map/chunks.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 
 #include "cloud_colorizer/base/check.hpp"
@@ -16,92 +19,76 @@ namespace {
 
 using TileIds = std::vector<std::size_t>;
 
-/// A cube of 2^k tiles, and the tiles in it.
-struct Cube {
-  std::array<std::int64_t, 3> index{};
-  std::int64_t side = 1;
-  TileIds tiles;
-};
+constexpr std::size_t kFlat = 8;      // floors and roads are flat: all their points may lie beside one cut along z
+constexpr double kLeastShare = 0.25;  // of the points on each side of a cut, where there is such a cut
 
 std::size_t countPoints(const std::vector<Tile>& tiles, const TileIds& ids) {
   return std::accumulate(ids.begin(), ids.end(), std::size_t{0},
                          [&](std::size_t sum, std::size_t id) { return sum + tiles[id].num_points; });
 }
 
-std::int64_t floorTo(std::int64_t value, std::int64_t step) {
-  return (value >= 0 ? value / step : -((-value + step - 1) / step)) * step;
+/// Between the layers of tiles `before` and `before + 1` along an axis.
+struct Cut {
+  std::size_t axis = 0;
+  std::int32_t before = 0;
+  std::size_t beside = 0;   ///< points in both layers
+  std::size_t smaller = 0;  ///< points of the side with fewer
+
+  /// Enough points on both sides come first, then few beside it, then the middle.
+  bool isBetterThan(const Cut& other, std::size_t enough) const {
+    const bool is_even = smaller >= enough, other_is_even = other.smaller >= enough;
+    if (is_even != other_is_even) return is_even;
+    if (is_even && beside != other.beside) return beside < other.beside;
+    return smaller > other.smaller;
+  }
+};
+
+/// Nothing where all tiles are in one layer along each axis, i.e. are one tile.
+std::optional<Cut> bestCut(const std::vector<Tile>& tiles, const TileIds& ids) {
+  const auto enough = static_cast<std::size_t>(kLeastShare * static_cast<double>(countPoints(tiles, ids)));
+  std::optional<Cut> best;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::map<std::int32_t, std::size_t> layers;
+    for (const std::size_t id : ids) layers[tiles[id].index[axis]] += tiles[id].num_points;
+    std::size_t below = 0, all = countPoints(tiles, ids);
+    for (auto layer = layers.begin(); std::next(layer) != layers.end(); ++layer) {
+      const auto next = std::next(layer);
+      below += layer->second;
+      const bool touch = next->first == layer->first + 1;
+      const std::size_t beside = touch ? layer->second + next->second : 0;
+      const Cut cut{axis, layer->first, axis == 2 ? kFlat * beside : beside, std::min(below, all - below)};
+      if (!best || cut.isBetterThan(*best, enough)) best = cut;
+    }
+  }
+  return best;
 }
 
-/// The smallest cubes of a power of two that together hold all tiles: aligned to their own side, at most eight.
-std::vector<Cube> rootCubes(const std::vector<Tile>& tiles) {
-  std::array<std::int64_t, 3> low{}, high{};
-  low.fill(std::numeric_limits<std::int64_t>::max());
-  high.fill(std::numeric_limits<std::int64_t>::min());
-  for (const auto& tile : tiles) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min<std::int64_t>(low[axis], tile.index[axis]);
-      high[axis] = std::max<std::int64_t>(high[axis], tile.index[axis]);
-    }
-  }
-  std::int64_t side = 1;
-  const auto spans = [&](std::size_t axis) { return floorTo(high[axis], side) - floorTo(low[axis], side) > side; };
-  while (spans(0) || spans(1) || spans(2)) side *= 2;
-
-  std::vector<Cube> cubes;
-  for (std::int64_t x = floorTo(low[0], side); x <= high[0]; x += side)
-    for (std::int64_t y = floorTo(low[1], side); y <= high[1]; y += side)
-      for (std::int64_t z = floorTo(low[2], side); z <= high[2]; z += side) cubes.push_back({{x, y, z}, side, {}});
-  for (std::size_t id = 0; id < tiles.size(); ++id) {
-    for (auto& cube : cubes) {
-      bool inside = true;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::int64_t offset = tiles[id].index[axis] - cube.index[axis];
-        inside = inside && offset >= 0 && offset < cube.side;
-      }
-      if (inside) cube.tiles.push_back(id);
-    }
-  }
-  return cubes;
-}
-
-std::array<Cube, 8> splitCube(const Cube& cube, const std::vector<Tile>& tiles) {
-  std::array<Cube, 8> children;
-  const std::int64_t half = cube.side / 2;
-  for (std::size_t octant = 0; octant < 8; ++octant) {
-    children[octant].side = half;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      children[octant].index[axis] = cube.index[axis] + ((octant >> axis) & 1U ? half : 0);
-    }
-  }
-  for (const std::size_t id : cube.tiles) {
-    std::size_t octant = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (tiles[id].index[axis] >= cube.index[axis] + half) octant |= std::size_t{1} << axis;
-    }
-    children[octant].tiles.push_back(id);
-  }
-  return children;
-}
-
-Chunk makeChunk(const Cube& cube, const std::vector<Tile>& tiles, double tile_size, double overlap) {
+Chunk makeChunk(const TileIds& ids, const std::vector<Tile>& tiles, double tile_size, double overlap) {
   Chunk chunk;
-  for (std::size_t axis = 0; axis < 3; ++axis) chunk.index[axis] = static_cast<std::int32_t>(cube.index[axis]);
-  const auto lowCorner = [tile_size](const TileIndex& index) -> Eigen::Array3d {
+  chunk.low.fill(std::numeric_limits<std::int32_t>::max());
+  chunk.high.fill(std::numeric_limits<std::int32_t>::min());
+  for (const std::size_t id : ids) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      chunk.low[axis] = std::min(chunk.low[axis], tiles[id].index[axis]);
+      chunk.high[axis] = std::max(chunk.high[axis], tiles[id].index[axis] + 1);
+    }
+  }
+  const auto cornerOf = [tile_size](const TileIndex& index) -> Eigen::Array3d {
     return Eigen::Array3d(index[0], index[1], index[2]) * tile_size;
   };
-  chunk.side = static_cast<std::int32_t>(cube.side);
-  chunk.core_tiles = cube.tiles;
-  chunk.num_core_points = countPoints(tiles, cube.tiles);
+  chunk.core_tiles = ids;
+  chunk.num_core_points = countPoints(tiles, ids);
 
-  const Eigen::Array3d low = lowCorner(chunk.index);
-  const double side = static_cast<double>(cube.side) * tile_size;
-  const double halo = overlap * side;
-  chunk.box_with_halo = {(low - halo).matrix().cast<float>(), (low + side + halo).matrix().cast<float>()};
+  const Eigen::Array3d low = cornerOf(chunk.low), high = cornerOf(chunk.high);
+  Eigen::Array3d sides = high - low;
+  std::sort(sides.data(), sides.data() + 3);
+  const double halo = overlap * sides[1];
+  chunk.box_with_halo = {(low - halo).matrix().cast<float>(), (high + halo).matrix().cast<float>()};
   chunk.num_points_with_halo = static_cast<double>(chunk.num_core_points);
   if (halo <= 0) return chunk;
   for (const std::size_t id : tilesAround(tiles, tile_size, chunk.box_with_halo.cast<double>())) {
-    const Eigen::Array3d tile_low = lowCorner(tiles[id].index);
-    const Eigen::Array3d common = (tile_low + tile_size).min(low + side + halo) - tile_low.max(low - halo);
+    const Eigen::Array3d tile_low = cornerOf(tiles[id].index);
+    const Eigen::Array3d common = (tile_low + tile_size).min(high + halo) - tile_low.max(low - halo);
     if (!(common > 0).all() || std::binary_search(chunk.core_tiles.begin(), chunk.core_tiles.end(), id)) continue;
     chunk.halo_tiles.push_back(id);
     chunk.num_points_with_halo += static_cast<double>(tiles[id].num_points) * (common / tile_size).prod();
@@ -122,23 +109,24 @@ double ChunkParams::maxPointsWithHalo() const {
 
 std::vector<Chunk> planChunks(const std::vector<Tile>& tiles, double tile_size, const ChunkParams& params) {
   params.check();
-  if (tiles.empty()) return {};
-  std::vector<Cube> open = rootCubes(tiles);
+  std::vector<TileIds> open(1, TileIds(tiles.size()));
+  std::iota(open[0].begin(), open[0].end(), std::size_t{0});
   std::vector<Chunk> chunks;
-  while (!open.empty()) {
-    const Cube cube = std::move(open.back());
+  while (!tiles.empty() && !open.empty()) {
+    const TileIds ids = std::move(open.back());
     open.pop_back();
-    if (cube.tiles.empty()) continue;
-    const bool is_tile = cube.side == 1;
-    if (is_tile || countPoints(tiles, cube.tiles) <= static_cast<std::size_t>(params.max_chunk_points)) {
-      Chunk chunk = makeChunk(cube, tiles, tile_size, params.overlap);
-      // A large cube of few points beside a dense place would have many times its own points in its halo.
-      if (is_tile || chunk.num_points_with_halo <= params.maxPointsWithHalo()) {
+    const std::optional<Cut> cut = bestCut(tiles, ids);
+    if (!cut || countPoints(tiles, ids) <= static_cast<std::size_t>(params.max_chunk_points)) {
+      Chunk chunk = makeChunk(ids, tiles, tile_size, params.overlap);
+      // Few points beside a dense place would have many times their number in their halo.
+      if (!cut || chunk.num_points_with_halo <= params.maxPointsWithHalo()) {
         chunks.push_back(std::move(chunk));
         continue;
       }
     }
-    for (auto& child : splitCube(cube, tiles)) open.push_back(std::move(child));
+    std::array<TileIds, 2> sides;
+    for (const std::size_t id : ids) sides[tiles[id].index[cut->axis] <= cut->before ? 0 : 1].push_back(id);
+    for (TileIds& side : sides) open.push_back(std::move(side));
   }
   std::sort(chunks.begin(), chunks.end(),
             [](const Chunk& a, const Chunk& b) { return a.core_tiles.front() < b.core_tiles.front(); });

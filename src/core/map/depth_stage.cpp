@@ -18,7 +18,7 @@ DepthImage renderDepth(Workspace& work, std::size_t view, const Eigen::Isometry3
   for (std::size_t tile = 0; tile < recording.tiles().size(); ++tile) {
     if (!cone.mayShow(recording.tileBox(tile))) continue;
     throwIfCancelled(callbacks);
-    const auto surface = work.surface(tile);
+    const auto surface = work.surfaceSeenFrom(tile, view, map_from_camera.translation());
     splatter.add(surface->points, surface->surfels);
   }
   return splatter.finish();

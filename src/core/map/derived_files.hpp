@@ -15,6 +15,7 @@
 #include "cloud_colorizer/surface/surfels.hpp"
 #include "cloud_colorizer/visibility/depth_image.hpp"
 #include "cloud_colorizer/visibility/observe.hpp"
+#include "surface/thinned.hpp"
 
 namespace cloud_colorizer {
 
@@ -34,6 +35,13 @@ struct TileColors {
   std::vector<Unseen> unseen;        ///< why no view coloured the point
 };
 
+/// A thinned surface in a file.
+struct ThinnedLevel {
+  float cell = 0;  ///< m
+  std::size_t num_points = 0;
+  std::uint64_t offset = 0;
+};
+
 /// Indices of views, ascending.
 using ViewList = std::vector<std::uint32_t>;
 
@@ -49,7 +57,8 @@ class FolderLock {
 
 /// A unit of work (a tile's surfels, a view's depth image, a tile's colours) is one file, written under a temporary
 /// name and renamed, with a checksum at its end: it is whole, or counts as absent. Each folder holds key.txt, which
-/// tells what its files were made from. What a has...() did not find whole, a read...() throws on, but for readDepth().
+/// tells what its files were made from. What a has...() did not find whole, a read...() throws on. Where only pieces
+/// are read again and again (surfels, depth images), has...() alone looks at the checksum.
 class DerivedFiles {
  public:
   explicit DerivedFiles(const Recording& recording) : recording_(recording) {}
@@ -64,12 +73,14 @@ class DerivedFiles {
   std::vector<std::uint8_t> readMoving(std::size_t tile) const;  ///< MovingVotes::shares()
 
   bool hasSurfels(std::size_t tile) const;
-  void writeSurfels(std::size_t tile, const Surfels& surfels) const;
+  void writeSurfels(std::size_t tile, const Surfels& surfels, const std::vector<ThinnedSurface>& levels) const;
   Surfels readSurfels(std::size_t tile) const;
+  std::vector<ThinnedLevel> thinnedLevels(std::size_t tile) const;  ///< fine to coarse
+  Surface readThinned(std::size_t tile, const ThinnedLevel& level) const;
 
   bool hasDepth(std::size_t view) const;
   void writeDepth(std::size_t view, const DepthImage& image) const;
-  /// Without its empty space. Only the cells that are asked for are read, so hasDepth() must have found it whole.
+  /// Without its empty space. Only the cells that are asked for are read.
   DepthImage readDepth(std::size_t view) const;
 
   bool hasColors(std::size_t tile) const;

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
+#include <numeric>
 #include <vector>
 
 #include "base/parallel.hpp"
@@ -11,15 +13,18 @@
 #include "map/lru_cache.hpp"
 #include "map/memory_plan.hpp"
 #include "map/stages.hpp"
+#include "map/tile_blocks.hpp"
 #include "recording/tile_range.hpp"
 #include "visibility/moving.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
-/// The largest cells that surfels come from are this part of a tile, and twice as much of the tiles beside it is
+/// The largest cells that surfels come from are this part of a block of tiles, and twice as much of the tiles beside is
 /// needed: a neighbourhood, and what is around it.
-constexpr int kCellsPerTile = 16;
+constexpr int kCellsPerBlock = 16;
+constexpr int kBits = kZOrderBits - 1;       // of a block; its grid reaches half a block beyond it
+constexpr std::size_t kMostPoints = 400000;  // of several tiles at once
 
 /// The points of tiles, those used last kept.
 class TilePoints {
@@ -32,22 +37,31 @@ class TilePoints {
 
   std::shared_ptr<const Points> of(std::size_t tile) { return points_.get(tile); }
 
-  /// Those of a tile first, then those of the tiles beside it that lie within `margin` [m].
-  Points around(std::size_t tile, float margin) {
-    const auto own = points_.get(tile);
-    Eigen::AlignedBox3f box = recording_.tileBox(tile);
+  /// Those of some tiles, one after the other, then what lies within `margin` [m] of the box around them.
+  Points around(const std::vector<std::size_t>& tiles, float margin) {
+    Eigen::AlignedBox3f box;
+    Eigen::Index num_own = 0;
+    for (const std::size_t tile : tiles) {
+      box.extend(recording_.tileBox(tile));
+      num_own += static_cast<Eigen::Index>(recording_.tiles()[tile].num_points);
+    }
     box.min().array() -= margin, box.max().array() += margin;
     std::vector<Eigen::Vector3f> beside;
     for (const std::size_t other : tilesAround(recording_.tiles(), recording_.tileSize(), box.cast<double>())) {
-      if (other == tile || !recording_.tileBox(other).intersects(box)) continue;
+      if (std::binary_search(tiles.begin(), tiles.end(), other) || !recording_.tileBox(other).intersects(box)) continue;
       const auto points = points_.get(other);
       for (Eigen::Index i = 0; i < points->cols(); ++i) {
         if (box.contains(points->col(i))) beside.emplace_back(points->col(i));
       }
     }
-    Points all(3, own->cols() + static_cast<Eigen::Index>(beside.size()));
-    all.leftCols(own->cols()) = *own;
-    for (std::size_t i = 0; i < beside.size(); ++i) all.col(own->cols() + static_cast<Eigen::Index>(i)) = beside[i];
+    Points all(3, num_own + static_cast<Eigen::Index>(beside.size()));
+    Eigen::Index next = 0;
+    for (const std::size_t tile : tiles) {
+      const auto own = points_.get(tile);
+      all.middleCols(next, own->cols()) = *own;
+      next += own->cols();
+    }
+    for (std::size_t i = 0; i < beside.size(); ++i) all.col(num_own + static_cast<Eigen::Index>(i)) = beside[i];
     return all;
   }
 
@@ -56,15 +70,45 @@ class TilePoints {
   LruCache<Points> points_;
 };
 
-/// Of a tile, as it lies in the map. All tiles have the same cells.
-Surfels surfelsOfTile(const Recording& recording, std::size_t tile, TilePoints& source, const SurfelParams& params) {
-  constexpr int kBits = kZOrderBits - 1;  // of a tile; the grid reaches half a tile beyond it
-  const auto side = static_cast<float>(recording.tileSize());
-  const ZOrderGrid grid{recording.tileBox(tile).min().array() - side / 2, std::ldexp(side, -kBits)};
-  const auto num_own = static_cast<Eigen::Index>(recording.tiles()[tile].num_points);
-  static_assert((kCellsPerTile & (kCellsPerTile - 1)) == 0, "a cell does not cross the border of a tile");
-  return estimateSurfels(source.around(tile, 2 * side / kCellsPerTile), num_own, grid,
-                         kBits - static_cast<int>(std::log2(kCellsPerTile)), params);
+/// Tiles whose surfels are made together, as most of what lies around one of them is in the others.
+using Unit = std::vector<std::size_t>;
+
+/// Cubes of `side` tiles; those with too many points in smaller ones, down to a tile.
+void addUnits(const Recording& recording, const Unit& tiles, std::int32_t side, std::vector<Unit>& units) {
+  std::map<TileIndex, Unit> cubes;
+  for (const std::size_t tile : tiles) {
+    TileIndex cube = recording.tiles()[tile].index;
+    for (std::int32_t& i : cube) i = (i - (i % side + side) % side) / side;
+    cubes[cube].push_back(tile);
+  }
+  for (const auto& [index, cube] : cubes) {
+    std::size_t count = 0;
+    for (const std::size_t tile : cube) count += recording.tiles()[tile].num_points;
+    if (side == 1 || count <= kMostPoints) {
+      units.push_back(cube);
+    } else {
+      addUnits(recording, cube, side / 2, units);
+    }
+  }
+}
+
+/// Of the points of a unit, as it lies in the map. All units have the same cells.
+Surfels surfelsOf(const Recording& recording, const Unit& unit, const ZOrderGrid& grid, TilePoints& source,
+                  const SurfelParams& params) {
+  Eigen::Index num_own = 0;
+  for (const std::size_t tile : unit) num_own += static_cast<Eigen::Index>(recording.tiles()[tile].num_points);
+  static_assert((kCellsPerBlock & (kCellsPerBlock - 1)) == 0, "a cell does not cross the border of a block");
+  const auto margin = static_cast<float>(2 * blockSize(recording) / kCellsPerBlock);
+  return estimateSurfels(source.around(unit, margin), num_own, grid,
+                         kBits - static_cast<int>(std::log2(kCellsPerBlock)), params);
+}
+
+ZOrderGrid gridOf(const Recording& recording, const Unit& unit) {
+  Eigen::AlignedBox3f box;
+  for (const std::size_t tile : unit) box.extend(recording.tileBox(tile));
+  const auto side = static_cast<float>(blockSize(recording));
+  // Where tiles are missing the box is smaller, but its corner is one of a tile, and so of a largest cell.
+  return {box.min().array() - side / 2, std::ldexp(side, -kBits)};
 }
 
 /// A van that drove ahead left a trail of points that hides the street. Where a camera has been, nothing stays: points
@@ -99,15 +143,28 @@ void makeSurfels(Workspace& work, const Callbacks& callbacks) {
   files.claim(kSurfelsFolder, surfelsKey(recording, work.params()));
   ProgressMeter progress(callbacks, "surfels", recording.numPoints());
   TilePoints source(recording, work.params().colorize.memory_limit);
-  parallelFor(work.params().colorize.num_threads, recording.tiles().size(), [&](std::size_t tile) {
-    const bool todo = !files.hasSurfels(tile);
-    if (todo) {
-      Surfels surfels = surfelsOfTile(recording, tile, source, work.params().surfels);
-      clearPath(recording, tile, work.params().depth.clear_radius, *source.of(tile), surfels);
-      if (findsMoving(recording, work.params())) markMoving(files.readMoving(tile), surfels);
-      files.writeSurfels(tile, surfels);
+  const double thinnest = work.largestThinningCell();
+  Unit all(recording.tiles().size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  std::vector<Unit> units;
+  addUnits(recording, all, tilesPerBlock(recording), units);
+  parallelFor(work.params().colorize.num_threads, units.size(), [&](std::size_t u) {
+    const Unit& unit = units[u];
+    const bool todo = !std::all_of(unit.begin(), unit.end(), [&](std::size_t tile) { return files.hasSurfels(tile); });
+    const ZOrderGrid grid = gridOf(recording, unit);
+    const Surfels surfels = todo ? surfelsOf(recording, unit, grid, source, work.params().surfels) : Surfels{};
+    Eigen::Index next = 0;
+    for (const std::size_t tile : unit) {
+      const auto count = static_cast<Eigen::Index>(recording.tiles()[tile].num_points);
+      if (todo) {
+        Surface surface{*source.of(tile), surfels.segment(next, count)};
+        clearPath(recording, tile, work.params().depth.clear_radius, surface.points, surface.surfels);
+        if (findsMoving(recording, work.params())) markMoving(files.readMoving(tile), surface.surfels);
+        files.writeSurfels(tile, surface.surfels, thinSurface(surface, grid, thinnest));
+      }
+      next += count;
+      progress.add(static_cast<std::size_t>(count), todo);
     }
-    progress.add(recording.tiles()[tile].num_points, todo);
   });
 }
 

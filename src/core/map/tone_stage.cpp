@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map/stages.hpp"
+#include "map/tile_blocks.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -18,8 +19,8 @@ std::vector<float> logGains(const std::vector<CorrectedView>& views) {
 }  // namespace
 
 double toneCellSize(const Recording& recording) {
-  constexpr int kCellsPerTile = 8;  // a whole number, so that every cell has its points from one tile
-  return recording.tileSize() / kCellsPerTile;
+  constexpr int kCellsPerBlock = 8;  // a whole number a tile, so that every cell has its points from one
+  return blockSize(recording) / kCellsPerBlock;
 }
 
 ToneField makeTone(const Workspace& work) {

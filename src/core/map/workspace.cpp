@@ -11,6 +11,9 @@
 namespace cloud_colorizer {
 namespace {
 
+constexpr double kThinning = 0.5;  // of a depth image's cell: what lies nearer together is one point to it
+constexpr std::size_t kMaxLevels = 64;
+
 std::size_t bytesOf(const Surface& s) {
   return sizeof(float) *
          static_cast<std::size_t>(s.points.size() + s.surfels.normals.size() + 3 * s.surfels.radii.size());
@@ -37,6 +40,17 @@ Workspace::Workspace(const Recording& recording, const Params& params)
           MemoryPlan(params.colorize.memory_limit).surfaces(),
           [this](std::size_t tile) {
             return Surface{recording_.readPoints(tile), files_.readSurfels(tile)};
+          },
+          [](const Surface& surface) { return bytesOf(surface); }),
+      thinned_levels_(
+          MemoryPlan(params.colorize.memory_limit).surfaces(),
+          [this](std::size_t tile) { return files_.thinnedLevels(tile); },
+          [](const std::vector<ThinnedLevel>& levels) { return levels.size() * sizeof(ThinnedLevel); }),
+      thinned_(
+          MemoryPlan(params.colorize.memory_limit).surfaces(),
+          [this](std::size_t key) {
+            const std::size_t tile = key / kMaxLevels;
+            return files_.readThinned(tile, thinned_levels_.get(tile)->at(key % kMaxLevels));
           },
           [](const Surface& surface) { return bytesOf(surface); }),
       images_(recording, MemoryPlan(params.colorize.memory_limit).images()),
@@ -70,6 +84,28 @@ std::shared_ptr<const EmptySpace> Workspace::emptySpace(std::size_t view, const 
   const double stamp = recording_.views()[view].stamp;
   return emptySpaceAt(recording_, scan_times_, stamp, map_from_camera,
                       [this](std::size_t scan) { return scans_.get(scan); });
+}
+
+double Workspace::thinningCell(const Camera& camera, double distance) const {
+  return kThinning * params_.depth.cellSize(camera.intrinsics()) * camera.pixelAngle() * distance;
+}
+
+double Workspace::largestThinningCell() const {
+  double largest = 0;
+  for (const Camera& camera : cameras_) {
+    largest = std::max(largest, thinningCell(camera, params_.depth.max_view_distance));
+  }
+  return largest;
+}
+
+std::shared_ptr<const Surface> Workspace::surfaceSeenFrom(std::size_t tile, std::size_t view,
+                                                          const Eigen::Vector3d& eye) {
+  const double nearest = recording_.tileBox(tile).cast<double>().exteriorDistance(eye);
+  const double cell = thinningCell(cameraOf(view), nearest);
+  const auto levels = thinned_levels_.get(tile);
+  std::size_t level = levels->size();
+  while (level > 0 && levels->at(level - 1).cell > cell) --level;
+  return level == 0 ? surfaces_.get(tile) : thinned_.get(tile * kMaxLevels + level - 1);
 }
 
 ObservedView Workspace::observedView(std::size_t view) {

@@ -38,7 +38,7 @@ constexpr double kMaxOriginDistance = 5000;           ///< m; positions nearer t
 
 double defaultTileSize(const RecordParams& params) {
   if (params.tile_size > 0) return params.tile_size;
-  return params.voxel_size > 0 ? 200 * params.voxel_size : 10;
+  return params.voxel_size > 0 ? 200 * params.voxel_size : 2.5;
 }
 
 void requirePose(const Eigen::Isometry3d& pose, const char* what) {

@@ -85,37 +85,38 @@ CellLevel CellLevel::parents() const {
 }
 
 void CellLevel::makeBlocks() {
+  block_of_cell_.reserve(keys_.size());
   for (std::size_t i = 0; i < keys_.size(); ++i) {
     const std::uint64_t key = keys_[i] >> kBlockBits;
     if (blocks_.empty() || blocks_.back().key != key) blocks_.push_back({key, 0, static_cast<std::uint32_t>(i)});
     blocks_.back().mask |= std::uint64_t{1} << (keys_[i] & 63U);
+    block_of_cell_.push_back(static_cast<std::uint32_t>(blocks_.size() - 1));
   }
-}
-
-void CellNeighbors::enterBlock(std::uint64_t key) {
-  const auto& blocks = level_.blocks_;
-  block_ = key;
-  for (int k = 0; k < 27; ++k) {
-    std::uint64_t near = key;
-    for (int axis = 0; axis < 3; ++axis) near = shiftedKey(near, axis, stepOf(k, axis));
-    const auto at = std::lower_bound(blocks.begin(), blocks.end(), near,
-                                     [](const CellLevel::Block& b, std::uint64_t wanted) { return b.key < wanted; });
-    near_[static_cast<std::size_t>(k)] = at != blocks.end() && at->key == near ? &*at : nullptr;
+  around_.resize(blocks_.size());
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    for (int k = 0; k < 27; ++k) {
+      std::uint64_t near = blocks_[b].key;
+      for (int axis = 0; axis < 3; ++axis) near = shiftedKey(near, axis, stepOf(k, axis));
+      const auto at = std::lower_bound(blocks_.begin(), blocks_.end(), near,
+                                       [](const Block& block, std::uint64_t wanted) { return block.key < wanted; });
+      const bool is_there = at != blocks_.end() && at->key == near;
+      around_[b][static_cast<std::size_t>(k)] = is_there ? static_cast<std::uint32_t>(at - blocks_.begin()) : kNoBlock;
+    }
   }
 }
 
 void CellNeighbors::moveTo(std::size_t cell) {
-  const std::uint64_t key = level_.key(cell);
-  if (key >> kBlockBits != block_) enterBlock(key >> kBlockBits);
-  const auto& places = kPlaces[key & 63U];
+  const auto& places = kPlaces[level_.key(cell) & 63U];
+  const CellLevel::BlocksAround& around = level_.around_[level_.block_of_cell_[cell]];
   count_ = 0;
   for (int k = 0; k < 27; ++k) {
     const Place place = places[static_cast<std::size_t>(k)];
-    const CellLevel::Block* const block = near_[place.block];
+    if (around[place.block] == CellLevel::kNoBlock) continue;
+    const CellLevel::Block& block = level_.blocks_[around[place.block]];
     const std::uint64_t bit = std::uint64_t{1} << place.cell;
-    if (block == nullptr || (block->mask & bit) == 0) continue;
-    const auto before = static_cast<std::uint32_t>(__builtin_popcountll(block->mask & (bit - 1)));
-    found_[count_++] = {block->first + before,
+    if ((block.mask & bit) == 0) continue;
+    const auto before = static_cast<std::uint32_t>(__builtin_popcountll(block.mask & (bit - 1)));
+    found_[count_++] = {block.first + before,
                         Eigen::Vector3f(static_cast<float>(stepOf(k, 0)), static_cast<float>(stepOf(k, 1)),
                                         static_cast<float>(stepOf(k, 2)))};
   }

@@ -36,6 +36,9 @@ class CellLevel {
     std::uint64_t key, mask;
     std::uint32_t first;  ///< cell
   };
+  /// The 27 blocks around one; kNoBlock where nothing is.
+  using BlocksAround = std::array<std::uint32_t, 27>;
+  static constexpr std::uint32_t kNoBlock = 0xFFFFFFFFU;
 
   explicit CellLevel(int level) : level_(level) {}
   void makeBlocks();
@@ -45,9 +48,11 @@ class CellLevel {
   std::vector<std::uint32_t> begins_;
   std::vector<Moments> moments_;
   std::vector<Block> blocks_;
+  std::vector<BlocksAround> around_;  ///< a block
+  std::vector<std::uint32_t> block_of_cell_;
 };
 
-/// The up to 27 occupied cells that touch a cell, itself included. Cheap where it moves along the Z-order.
+/// The up to 27 occupied cells that touch a cell, itself included.
 class CellNeighbors {
  public:
   struct Neighbor {
@@ -61,11 +66,7 @@ class CellNeighbors {
   const Neighbor* end() const { return found_.data() + count_; }
 
  private:
-  void enterBlock(std::uint64_t key);
-
   const CellLevel& level_;
-  std::uint64_t block_ = ~std::uint64_t{0};
-  std::array<const CellLevel::Block*, 27> near_{};
   std::array<Neighbor, 27> found_;
   std::size_t count_ = 0;
 };

@@ -125,8 +125,10 @@ class Estimator {
       lookBeyond(level, cell, patches);
       if (!isOpen(level, cell)) continue;
       neighbors.moveTo(cell);
+      const float count = countAround(level, neighbors);
+      if (count < static_cast<float>(min_count_) && level.level() < max_level_) continue;  // as at all finer levels
       const Settled around = settledAround(neighbors, settled);
-      if (around.count > kThinShare * countAround(level, neighbors)) closeThin(level, cell, around);
+      if (around.count > kThinShare * count) closeThin(level, cell, around);
       takeAll(level, cell, neighbors, patches);
     }
   }
@@ -266,6 +268,12 @@ class Estimator {
 };
 
 }  // namespace
+
+Points Surfels::onSurface(PointsRef points) const {
+  Points places(3, points.cols());
+  for (Index i = 0; i < points.cols(); ++i) places.col(i) = onSurface(i, points.col(i));
+  return places;
+}
 
 void SurfelParams::check() const {
   requireInRange("num_neighbors", num_neighbors, 4, 100);

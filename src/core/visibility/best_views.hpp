@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "cloud_colorizer/visibility/observe.hpp"
@@ -40,6 +41,13 @@ class BestViews {
   /// Whether no view of at most this weight, nor its telling that the point is hidden, can change anything.
   bool isSettled(std::size_t point, float weight) const {
     return points_[point].clear && weight < points_[point].worst;
+  }
+
+  /// The least weight that can change anything for any of these points; infinite where none can.
+  float leastUseful(std::size_t begin, std::size_t end) const {
+    float least = std::numeric_limits<float>::infinity();
+    for (std::size_t p = begin; p < end; ++p) least = std::min(least, points_[p].clear ? points_[p].worst : 0.F);
+    return least;
   }
 
   /// Keeps it if it is among the best. The first clear one drops those at edges.

@@ -12,8 +12,9 @@
 namespace cloud_colorizer {
 namespace {
 
-constexpr float kMaxSplat = 32;          // cells; half the extent of the largest splat
-constexpr float kLowPass = 0.5F;         // cells; added to every splat so that neighbours join
+constexpr double kLeastCell = 2, kCellsOfImage = 640;  // px; along its longer side
+constexpr float kMaxSplat = 32;                        // cells; half the extent of the largest splat
+constexpr float kLowPass = 0.5F;                       // cells; added to every splat so that neighbours join
 constexpr float kMaxShare = 0.3F;        // of the distance: a disc's radius at most, as nearer discs cross the camera
 constexpr float kMinCosine = 0.05F;      // of the incidence; more grazing ones count as this
 constexpr float kThickness = 0.25F;      // of the radius: how far a visible point may lie below the surface
@@ -122,11 +123,16 @@ cv::Mat1b findEdges(const cv::Mat1f& inverse, int guard) {
 }  // namespace
 
 void DepthParams::check() const {
-  requireInRange("depth_cell_size", depth_cell_size, 0.5, 64.0);
+  if (depth_cell_size != 0) requireInRange("depth_cell_size", depth_cell_size, 0.5, 64.0);
   requireInRange("depth_tolerance", depth_tolerance, 0.0, 0.5);
   requireInRange("depth_edge_guard", depth_edge_guard, 0.0, 100.0);
   requireInRange("max_view_distance", max_view_distance, 1e-6, 1e9);
   requireInRange("clear_radius", clear_radius, 0.0, 100.0);
+}
+
+double DepthParams::cellSize(const Intrinsics& intrinsics) const {
+  if (depth_cell_size > 0) return depth_cell_size;
+  return std::max(kLeastCell, std::max(intrinsics.width, intrinsics.height) / kCellsOfImage);
 }
 
 /// Depth change to the next cell [m a cell]: the lesser of the two sides, so that a depth edge does not count.
@@ -188,7 +194,8 @@ DepthSplatter::DepthSplatter(const Camera& camera, const Eigen::Isometry3f& came
                              std::shared_ptr<const EmptySpace> empty_space)
     : camera_(&camera), camera_from_map_(camera_from_map), params_(params), empty_space_(std::move(empty_space)) {
   params.check();
-  const auto cells = [&](int pixels) { return static_cast<int>(std::ceil(pixels / params.depth_cell_size)); };
+  params_.depth_cell_size = params.cellSize(camera.intrinsics());
+  const auto cells = [&](int pixels) { return static_cast<int>(std::ceil(pixels / params_.depth_cell_size)); };
   inverse_ = cv::Mat1f(cells(camera.intrinsics().height), cells(camera.intrinsics().width), 0.0F);
 }
 
@@ -253,7 +260,7 @@ DepthImage DepthSplatter::finish() const {
   DepthImage image;
   image.empty_space = empty_space_;
   image.cell_size = static_cast<float>(params_.depth_cell_size);
-  image.pixel_angle = static_cast<float>(1 / std::sqrt(camera_->intrinsics().fx * camera_->intrinsics().fy));
+  image.pixel_angle = static_cast<float>(camera_->pixelAngle());
   image.edge = findEdges(closed, static_cast<int>(std::ceil(params_.depth_edge_guard / params_.depth_cell_size)));
   image.depth.create(closed.size());
   std::transform(closed.begin(), closed.end(), image.depth.begin(),

@@ -78,14 +78,20 @@ class Looker {
     translation_ = camera_from_map.translation();
   }
 
-  void look(PointsRef points, const Surfels& surfels, const std::vector<PointRun>& runs, BestViews& best,
+  /// `places`: the points, moved onto their surfels.
+  void look(PointsRef places, const Surfels& surfels, const std::vector<PointRun>& runs, BestViews& best,
             ObserveResult& result) {
     glances_.clear();
     for (const PointRun& run : runs) {
-      if (camera_.mayShow(rotation_ * run.center + translation_, run.radius)) {
-        look(points, surfels, run, result);
+      const Eigen::Vector3f center = rotation_ * run.center + translation_;
+      const auto count = static_cast<std::uint64_t>(run.end - run.begin);
+      if (!camera_.mayShow(center, run.radius)) {
+        result.stats.outside += count;
+      } else if (largestWeight(run, center.norm() - run.radius) <
+                 best.leastUseful(static_cast<std::size_t>(run.begin), static_cast<std::size_t>(run.end))) {
+        result.stats.worse += count;
       } else {
-        result.stats.outside += static_cast<std::uint64_t>(run.end - run.begin);
+        look(places, surfels, run, result);
       }
     }
     for (std::size_t g = 0; g < glances_.size(); ++g) {
@@ -104,10 +110,15 @@ class Looker {
     float margin;              ///< px, from the image's border
   };
 
-  void look(PointsRef points, const Surfels& surfels, const PointRun& run, ObserveResult& result) {
+  /// That any point of a run can have, from its smallest distance [m].
+  float largestWeight(const PointRun& run, float distance) const {
+    return view_.weight * sharpness(run.largest, std::max(0.F, distance));
+  }
+
+  void look(PointsRef places, const Surfels& surfels, const PointRun& run, ObserveResult& result) {
     ObserveStats& stats = result.stats;
     for (Eigen::Index i = run.begin; i < run.end; ++i) {
-      const Eigen::Vector3f point = rotation_ * surfels.onSurface(i, points.col(i)) + translation_;
+      const Eigen::Vector3f point = rotation_ * places.col(i) + translation_;
       if (!camera_.mayShow(point, 0)) {
         ++stats.outside;
       } else if (!(point.squaredNorm() <= max_distance_ * max_distance_)) {
@@ -223,11 +234,14 @@ class Looker {
   /// Falls when a pixel covers more than the point's surroundings, at grazing incidence, and towards the border.
   float weight(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float radius, float distance,
                float margin) const {
-    const float footprint = view_.depth->pixel_angle * distance;
-    const float sharp = 1 / (1 + std::min(1e6F, footprint * footprint / std::max(1e-12F, radius * radius)));
     const float cosine = normal.isZero() ? 0.5F : std::abs(normal.dot(point)) / std::max(1e-9F, distance);
     const float inside = std::min(1.0F, (margin - kBorder + 1) / kFullWeightBorder);
-    return sharp * (0.1F + 0.9F * std::min(1.0F, cosine)) * inside;
+    return sharpness(radius, distance) * (0.1F + 0.9F * std::min(1.0F, cosine)) * inside;
+  }
+
+  float sharpness(float radius, float distance) const {
+    const float footprint = view_.depth->pixel_angle * distance;
+    return 1 / (1 + std::min(1e6F, footprint * footprint / std::max(1e-12F, radius * radius)));
   }
 
   const ObservedView& view_;
@@ -259,14 +273,15 @@ ObserveResult observe(PointsRef points, const Surfels& surfels, std::size_t num_
   ObserveResult result;
   result.unseen.assign(static_cast<std::size_t>(points.cols()), Unseen::kOutside);
   BestViews best(static_cast<std::size_t>(points.cols()), params.max_views);
-  const std::vector<PointRun> runs = makeRuns(points, surfels);
+  const Points places = surfels.onSurface(points);
+  const std::vector<PointRun> runs = makeRuns(places, surfels);
   int channels = 0;
   for (std::size_t k = 0; k < num_views; ++k) {
     const ObservedView at = view(k);
     if (k == 0 && at.image) channels = at.image->channels();
     checkView(at, channels);
     if (k == 0) best.reserve(num_views, channels);
-    Looker(at, depth_params).look(points, surfels, runs, best, result);
+    Looker(at, depth_params).look(places, surfels, runs, best, result);
   }
   result.observations = best.finish();
   for (std::size_t p = 0; p < result.unseen.size(); ++p) {

@@ -50,21 +50,34 @@ TEST(Chunks, CoreHasNoMorePointsThanAllowedUnlessItIsOneTile) {
   }
 }
 
-TEST(Chunks, LargeSparseChunkDoesNotTakeADensePlaceIntoItsHalo) {
+TEST(Chunks, SparsePlacesDoNotTakeADensePlaceIntoTheirHalo) {
   // Fields on both sides of a dense street, that would fit into a few large cubes.
   std::vector<Tile> tiles;
   for (std::int32_t x = -32; x < 32; ++x) {
     for (std::int32_t y = -32; y < 32; ++y) tiles.push_back({{x, y, 0}, y == 0 ? 4000U : 1U});
   }
   const ChunkParams params = smallChunks(5000, 0.25);
-  std::size_t num_tiles = 0, largest = 0;
+  std::size_t num_tiles = 0, num_points = 0;
+  double with_halo = 0;
   for (const Chunk& chunk : planChunks(tiles, 10, params)) {
     num_tiles += chunk.core_tiles.size();
-    largest = std::max(largest, chunk.core_tiles.size());
+    num_points += chunk.num_core_points;
+    with_halo += chunk.num_points_with_halo;
     EXPECT_LE(chunk.num_points_with_halo, params.maxPointsWithHalo());
   }
   EXPECT_EQ(num_tiles, tiles.size());
-  EXPECT_GE(largest, 256U) << "where the street is far, chunks stay large";
+  EXPECT_LT(with_halo, 1.6 * static_cast<double>(num_points));
+}
+
+TEST(Chunks, AFloorIsNotCutAlong) {
+  // A road at z = 0: half of its points are above, half below.
+  std::vector<Tile> tiles;
+  for (std::int32_t x = 0; x < 32; ++x) {
+    for (std::int32_t z = -1; z < 1; ++z) tiles.push_back({{x, 0, z}, 1000});
+  }
+  const auto chunks = planChunks(tiles, 10, smallChunks(5000, 0.1));
+  EXPECT_GE(chunks.size(), 13U);
+  for (const Chunk& chunk : chunks) EXPECT_EQ(chunk.high[2] - chunk.low[2], 2);
 }
 
 TEST(Chunks, PointsWithHaloAreThoseInTheBox) {

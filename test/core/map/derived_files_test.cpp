@@ -22,6 +22,11 @@ class DerivedFilesTest : public ::testing::Test {
     for (const char* folder : {"surfels", "depth", "colored", "alignment", "damaged_images"}) files_.claim(folder, "k");
     surfels_ = {Eigen::Matrix3Xf::Random(3, 7), Eigen::VectorXf::Random(7), Eigen::VectorXf::Random(7),
                 Eigen::VectorXf::Random(7)};
+    for (const Eigen::Index count : {3, 1}) {
+      const Points points = Points::Random(3, count);
+      const Eigen::VectorXf numbers = Eigen::VectorXf::Random(count);
+      thinned_.push_back({0.5F / static_cast<float>(count), {points, {points, numbers, numbers, numbers}}});
+    }
     image_.depth = cv::Mat1f(5, 4, 3.F);
     image_.edge = cv::Mat1b(5, 4, std::uint8_t{0});
     image_.edge(2, 3) = 255;
@@ -48,7 +53,7 @@ class DerivedFilesTest : public ::testing::Test {
   }
 
   void writeAll() {
-    files_.writeSurfels(0, surfels_);
+    files_.writeSurfels(0, surfels_, thinned_);
     files_.writeDepth(2, image_);
     files_.writeColors(0, colors_, tone_);
     files_.writeCorrections(corrections_);
@@ -58,6 +63,7 @@ class DerivedFilesTest : public ::testing::Test {
   ScratchDirectory scratch_;
   DerivedFiles files_;
   Surfels surfels_;
+  std::vector<ThinnedSurface> thinned_;
   DepthImage image_;
   TileColors colors_;
   ToneCells tone_ = {{{-1, 0, 2}, {{{0, 0.5}, {2, 3}}, 4}}, {{0, 0, 0}, {{{1, 1}}, 8}}};
@@ -72,6 +78,13 @@ TEST_F(DerivedFilesTest, ReadBackWhatWasWritten) {
   EXPECT_EQ(files_.readSurfels(0).normals, surfels_.normals);
   EXPECT_EQ(files_.readSurfels(0).offsets, surfels_.offsets);
   EXPECT_EQ(files_.readSurfels(0).thicknesses, surfels_.thicknesses);
+  const std::vector<ThinnedLevel> levels = files_.thinnedLevels(0);
+  ASSERT_EQ(levels.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(levels[k].cell, thinned_[k].cell);
+    EXPECT_EQ(files_.readThinned(0, levels[k]).points, thinned_[k].surface.points);
+    EXPECT_EQ(files_.readThinned(0, levels[k]).surfels.thicknesses, thinned_[k].surface.surfels.thicknesses);
+  }
   const DepthImage image = files_.readDepth(2);
   EXPECT_EQ(cv::countNonZero(image.depth != image_.depth) + cv::countNonZero(image.edge != image_.edge), 0);
   EXPECT_EQ(image.cell_size, 2);
@@ -111,6 +124,7 @@ void damage(const std::string& path, std::mt19937& random) {
 TEST_F(DerivedFilesTest, WhatIsDamagedCountsAsAbsentAndIsNeverRead) {
   const std::vector<std::pair<std::string, std::function<bool()>>> kinds = {
       {"surfels/0_0_0.bin", [&] { return files_.hasSurfels(0); }},
+      {"surfels/0_0_0.thinned", [&] { return files_.hasSurfels(0); }},
       {"depth/000002.bin", [&] { return files_.hasDepth(2); }},
       {"colored/0_0_0.bin", [&] { return files_.hasColors(0); }},
       {"colored/0_0_0.tone", [&] { return files_.hasColors(0); }},
@@ -127,11 +141,12 @@ TEST_F(DerivedFilesTest, WhatIsDamagedCountsAsAbsentAndIsNeverRead) {
       EXPECT_FALSE(is_whole()) << name;
     }
   }
-  for (const char* name : {"surfels/0_0_0.bin", "colored/0_0_0.bin"}) damage(files_.pathOf(name), random);
-  EXPECT_ERROR(files_.readSurfels(0), "surfels/0_0_0.bin");
-  for (const std::size_t size : {0, 15, 40}) {  // of a depth image the size alone is looked at again
+  damage(files_.pathOf("colored/0_0_0.bin"), random);
+  for (const std::size_t size : {0, 15, 40}) {  // of surfels and depth images the size alone is looked at again
     writeText(files_.pathOf("depth/000002.bin"), std::string(size, '\1'));
+    writeText(files_.pathOf("surfels/0_0_0.bin"), std::string(size, '\1'));
     EXPECT_ERROR(files_.readDepth(2), "depth/000002.bin");
+    EXPECT_ERROR(files_.readSurfels(0), "surfels/0_0_0.bin");
   }
   EXPECT_ERROR(files_.readColors(0), "colored/0_0_0.bin");
 }

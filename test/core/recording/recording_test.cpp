@@ -142,7 +142,7 @@ TEST(Recorder, VoxelSizeZeroKeepsAll) {
   Recorder recorder(scratch.path(), "map", params);
   EXPECT_EQ(recorder.addCloud(numbered({{1, 1, 1}, {1, 1, 1}}), Isometry3d::Identity()).added, 2U);
   EXPECT_EQ(recorder.snapshot().numPoints(), 2U);
-  EXPECT_EQ(recorder.snapshot().tileSize(), 10);
+  EXPECT_EQ(recorder.snapshot().tileSize(), 2.5);
 }
 
 TEST(Recorder, CountsWhyPointsAreDropped) {
@@ -542,6 +542,7 @@ TEST(Recording, FullDiskIsReportedAndLeavesWhatWasThere) {
   const auto directory = scratch / "recording";
   auto params = everything();
   params.voxel_size = 0;
+  params.tile_size = 10;
   auto recorder = std::make_unique<Recorder>(directory, "map", params);
   const auto camera = recorder->setCamera("camera_0", smallCamera());
   recorder->addView(camera, 0, Isometry3d::Identity(), encoded("png"), "png");

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "surface/thinned.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cloud_colorizer {
+namespace {
+
+using Eigen::Index;
+
+constexpr int kLevels = 7;  // below the coarsest: nearer than 1 / 128 of the largest distance a surface is whole
+
+}  // namespace
+
+std::vector<ThinnedSurface> thinSurface(const Surface& surface, const ZOrderGrid& grid, double max_cell) {
+  std::vector<ThinnedSurface> thinned;
+  if (surface.size() == 0) return thinned;
+  const int coarsest = std::min(kZOrderBits - 1, static_cast<int>(std::floor(std::log2(max_cell / grid.cell))));
+  const std::vector<std::uint64_t> keys = zorderKeys(surface.points, grid);
+  const std::vector<std::uint32_t> order = zorderSort(keys, zorderMask(0));
+  std::vector<Index> before(order.begin(), order.end());
+  std::size_t num_last = before.size();
+  for (int level = std::max(1, coarsest - kLevels); level <= coarsest; ++level) {
+    std::vector<Index> kept;
+    std::uint64_t cube = 0;
+    bool has_standing = false, has_moving = false;
+    for (const Index i : before) {
+      const std::uint64_t key = keys[static_cast<std::size_t>(i)] >> (3 * level);
+      if (kept.empty() || key != cube) has_standing = has_moving = false;
+      cube = key;
+      bool& has = surface.surfels.radii[i] < 0 ? has_moving : has_standing;
+      if (!has) kept.push_back(i);
+      has = true;
+    }
+    if (2 * kept.size() <= num_last) {
+      thinned.push_back({std::ldexp(grid.cell, level), gatherSurface(surface, kept)});
+      num_last = kept.size();
+    }
+    before = std::move(kept);
+  }
+  return thinned;
+}
+
+}  // namespace cloud_colorizer
