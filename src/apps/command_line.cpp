@@ -3,6 +3,7 @@
 
 #include "apps/command_line.hpp"
 
+#include <malloc.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -202,6 +203,12 @@ Callbacks callbacksOf(const std::shared_ptr<Terminal>& terminal) {
   return callbacks;
 }
 
+/// Chunk after chunk takes and gives back hundreds of megabytes; fresh pages of the system cost a fifth of the time.
+void keepMemory() {
+  ::mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  ::mallopt(M_TRIM_THRESHOLD, 1 << 30);
+}
+
 }  // namespace
 
 std::string CommandLine::option(const std::string& name, const std::string& otherwise) const {
@@ -267,6 +274,7 @@ Callbacks terminalCallbacks() {
 
 int runMain(int argc, const char* const* argv, const CommandSpec& spec,
             const std::function<void(const CommandLine&, const Callbacks&)>& body) {
+  keepMemory();
   const auto terminal = std::make_shared<Terminal>();
   try {
     const CommandLine line = parseCommandLine(argc, argv, spec);

@@ -51,7 +51,8 @@ struct Params {
   ChunkParams chunks;
   ColorizeParams colorize;
 
-  void check() const;  ///< of every member; throws std::invalid_argument with name, value and what is allowed
+  void check() const;   ///< of every member; throws std::invalid_argument with name, value and what is allowed
+  bool aligns() const;  ///< whether they ask for an alignment
 };
 
 /// Names of an enumeration's values, in order.

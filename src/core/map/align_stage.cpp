@@ -75,7 +75,7 @@ AlignmentInput makeInput(Workspace& work, const Callbacks& callbacks) {
   };
   input.depth_params = work.params().depth;
   input.num_threads = work.params().colorize.num_threads;
-  input.memory_limit = static_cast<double>(MemoryPlan(work.params().colorize.memory_limit).alignment()) / 1e6;
+  input.memory_limit = static_cast<double>(work.memory().alignment()) / 1e6;
   return input;
 }
 
@@ -96,7 +96,7 @@ void writeReport(const DerivedFiles& files, const std::vector<View>& views, cons
 }  // namespace
 
 void alignViews(Workspace& work, const Callbacks& callbacks) {
-  if (!work.aligns() || work.restoreCorrections()) return;
+  if (!work.params().aligns() || work.restoreCorrections()) return;
   const DerivedFiles& files = work.files();
   files.claim(kAlignmentFolder, alignmentKey(work.recording(), work.params(), work.damagedViews()));
 

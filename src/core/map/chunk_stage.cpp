@@ -125,7 +125,7 @@ void colorChunks(Workspace& work, const Callbacks& callbacks) {
   const ZOrderGrid grid = globalGrid(recording);
   const DerivedFiles& files = work.files();
   files.claim(kColorsFolder, colorsKey(recording, params, work.damagedViews(), work.corrections()));
-  MemoryBudget memory(static_cast<double>(MemoryPlan(params.colorize.memory_limit).chunks()));
+  MemoryBudget memory(static_cast<double>(work.memory().chunks()));
   ProgressMeter progress(callbacks, "colour", recording.numPoints());
   parallelFor(params.colorize.num_threads, chunks.size(), [&](std::size_t c) {
     const auto& tiles = chunks[c].core_tiles;

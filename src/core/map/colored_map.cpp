@@ -223,8 +223,8 @@ std::vector<Eigen::Isometry3d> usedPoses(const Recording& recording, const Param
   Workspace work(recording, params);
   work.restoreDamagedViews();
   const bool aligned = work.restoreCorrections();
-  require(aligned || !work.aligns() || !std::filesystem::exists(work.files().pathOf(kAlignmentFolder)), "the poses in ",
-          work.files().pathOf(kAlignmentFolder),
+  require(aligned || !work.params().aligns() || !std::filesystem::exists(work.files().pathOf(kAlignmentFolder)),
+          "the poses in ", work.files().pathOf(kAlignmentFolder),
           " were found with other parameters or from other views, or are damaged; colour the recording again first");
   std::vector<Eigen::Isometry3d> poses;
   for (const CorrectedView& view : work.corrections()) poses.push_back(view.map_from_camera);

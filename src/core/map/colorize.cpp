@@ -5,7 +5,6 @@
 #include "base/stop_watch.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "map/colored_map.hpp"
-#include "map/memory_plan.hpp"
 #include "map/stages.hpp"
 
 namespace cloud_colorizer {
@@ -25,12 +24,12 @@ ColorizeSummary colorize(const Recording& recording, const Params& params, const
   params.check();
   requireColorable(recording);
 
-  if (params.colorize.memory_limit == 0 && callbacks.log) {
-    const auto megabytes = static_cast<long>(MemoryPlan(0).limit / 1e6);
-    callbacks.log(LogLevel::kInfo, "memory_limit: " + std::to_string(megabytes) + " MB");
-  }
   const FolderLock lock(recording.directory(), true);
   Workspace work(recording, params);
+  if (params.colorize.memory_limit == 0 && callbacks.log) {
+    const auto megabytes = static_cast<long>(work.memory().limit() / 1e6);
+    callbacks.log(LogLevel::kInfo, "memory_limit: " + std::to_string(megabytes) + " MB");
+  }
   checkImages(work, callbacks);      // per view: is its image whole
   findMoving(work, callbacks);       // per tile: what later and earlier scans saw through
   makeSurfels(work, callbacks);      // per tile: what closes the surface between the points

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <fstream>
 
+#include "base/parallel.hpp"
+
 namespace cloud_colorizer {
 namespace {
 
@@ -21,9 +23,21 @@ double memoryOfMachine() {
   return bytes;
 }
 
+/// 0: half of the memory that there is, at most 4 GB.
+double limitOf(double memory_limit_mb) {
+  return memory_limit_mb > 0 ? memory_limit_mb * 1e6 : std::min(4e9, std::max(1e8, memoryOfMachine() / 2));
+}
+
 }  // namespace
 
-MemoryPlan::MemoryPlan(double memory_limit_mb)
-    : limit(memory_limit_mb > 0 ? memory_limit_mb * 1e6 : std::min(4e9, std::max(1e8, memoryOfMachine() / 2))) {}
+MemoryPlan::MemoryPlan(const Params& params)
+    : limit_(limitOf(params.colorize.memory_limit)),
+      usual_chunks_(chunkBytes(params.chunks.maxPointsWithHalo()) *
+                    static_cast<double>(resolveNumThreads(params.colorize.num_threads))),
+      aligns_(params.aligns()) {}
+
+std::size_t MemoryPlan::chunks() const {
+  return std::min(share(0.53), static_cast<std::size_t>(usual_chunks_));
+}
 
 }  // namespace cloud_colorizer

@@ -4,31 +4,40 @@
 /// How memory_limit is handed out. One place, so that the shares can be seen to fit.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+
+#include "cloud_colorizer/map/params.hpp"
 
 namespace cloud_colorizer {
 
-struct MemoryPlan {
-  /// 0: half of the memory that there is, at most 4 GB.
-  explicit MemoryPlan(double memory_limit_mb);
+class MemoryPlan {
+ public:
+  explicit MemoryPlan(const Params& params);
 
-  double limit;  ///< bytes, of all together
+  double limit() const { return limit_; }  ///< bytes, of all together
 
   // Caches, kept from stage to stage.
-  std::size_t surfaces() const { return share(0.08); }
-  std::size_t images() const { return share(0.25); }
+  std::size_t surfaces() const { return share(0.05); }
+  std::size_t thinnedSurfaces() const { return share(0.03); }
   std::size_t depthImages() const { return share(0.12); }
   std::size_t scans() const { return share(0.02); }
+  /// What the stages leave; an image that is not kept goes through a file.
+  std::size_t images() const { return share(0.78) - std::max(chunks(), aligns_ ? alignment() : 0); }
 
   // In work, one stage after the other. The alignment needs no depth images beforehand.
-  std::size_t chunks() const { return share(0.53); }
-  std::size_t alignment() const { return share(0.6); }
+  /// A chunk of the usual size for each thread, where there is room for so many.
+  std::size_t chunks() const;
+  std::size_t alignment() const { return share(0.53); }
 
   /// What a chunk takes at most while it is coloured, its points seen from 20 views; measured, rounded up.
   static double chunkBytes(double num_points) { return 1400 * num_points; }
 
  private:
-  std::size_t share(double of_limit) const { return static_cast<std::size_t>(limit * of_limit); }
+  std::size_t share(double of_limit) const { return static_cast<std::size_t>(limit_ * of_limit); }
+
+  double limit_, usual_chunks_;
+  bool aligns_;
 };
 
 }  // namespace cloud_colorizer

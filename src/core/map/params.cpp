@@ -74,6 +74,11 @@ std::string removedParam(const std::string& name) {
   return found == kInstead.end() ? "" : "parameter " + name + " is gone: " + found->second;
 }
 
+bool Params::aligns() const {
+  return colorize.method == Method::kDefault &&
+         (alignment.align_exposure || alignment.align_poses != AlignPoses::kNone);
+}
+
 void setParam(Params& params, const std::string& name, const std::string& text) {
   const auto visit = [&](const auto& f) { visitParams(params, f); };
   if (setField(visit, "parameter ", name, text)) return;

@@ -11,7 +11,6 @@
 #include "base/progress.hpp"
 #include "map/fingerprint.hpp"
 #include "map/lru_cache.hpp"
-#include "map/memory_plan.hpp"
 #include "map/stages.hpp"
 #include "map/tile_blocks.hpp"
 #include "recording/tile_range.hpp"
@@ -29,10 +28,10 @@ constexpr std::size_t kMostPoints = 400000;  // of several tiles at once
 /// The points of tiles, those used last kept.
 class TilePoints {
  public:
-  TilePoints(const Recording& recording, double memory_limit)
+  TilePoints(const Recording& recording, std::size_t max_bytes)
       : recording_(recording),
         points_(
-            MemoryPlan(memory_limit).surfaces(), [this](std::size_t tile) { return recording_.readPoints(tile); },
+            max_bytes, [this](std::size_t tile) { return recording_.readPoints(tile); },
             [](const Points& points) { return static_cast<std::size_t>(points.size()) * sizeof(float); }) {}
 
   std::shared_ptr<const Points> of(std::size_t tile) { return points_.get(tile); }
@@ -142,7 +141,7 @@ void makeSurfels(Workspace& work, const Callbacks& callbacks) {
   const DerivedFiles& files = work.files();
   files.claim(kSurfelsFolder, surfelsKey(recording, work.params()));
   ProgressMeter progress(callbacks, "surfels", recording.numPoints());
-  TilePoints source(recording, work.params().colorize.memory_limit);
+  TilePoints source(recording, work.memory().surfaces());
   const double thinnest = work.largestThinningCell();
   Unit all(recording.tiles().size());
   std::iota(all.begin(), all.end(), std::size_t{0});

@@ -30,32 +30,31 @@ std::size_t bytesOf(const DepthImage& image) {
 Workspace::Workspace(const Recording& recording, const Params& params)
     : recording_(recording),
       params_(params),
+      memory_(params),
       files_(recording),
       scan_times_(recording.scans()),
       scans_(
-          MemoryPlan(params.colorize.memory_limit).scans(),
-          [this](std::size_t scan) { return scanRanges(recording_.readScan(scan)); },
+          memory_.scans(), [this](std::size_t scan) { return scanRanges(recording_.readScan(scan)); },
           [](const ScanRanges& ranges) { return ranges.numBytes(); }),
       surfaces_(
-          MemoryPlan(params.colorize.memory_limit).surfaces(),
+          memory_.surfaces(),
           [this](std::size_t tile) {
             return Surface{recording_.readPoints(tile), files_.readSurfels(tile)};
           },
           [](const Surface& surface) { return bytesOf(surface); }),
       thinned_levels_(
-          MemoryPlan(params.colorize.memory_limit).surfaces(),
-          [this](std::size_t tile) { return files_.thinnedLevels(tile); },
+          memory_.thinnedSurfaces(), [this](std::size_t tile) { return files_.thinnedLevels(tile); },
           [](const std::vector<ThinnedLevel>& levels) { return levels.size() * sizeof(ThinnedLevel); }),
       thinned_(
-          MemoryPlan(params.colorize.memory_limit).surfaces(),
+          memory_.thinnedSurfaces(),
           [this](std::size_t key) {
             const std::size_t tile = key / kMaxLevels;
             return files_.readThinned(tile, thinned_levels_.get(tile)->at(key % kMaxLevels));
           },
           [](const Surface& surface) { return bytesOf(surface); }),
-      images_(recording, MemoryPlan(params.colorize.memory_limit).images()),
+      images_(recording, memory_.images()),
       depths_(
-          MemoryPlan(params.colorize.memory_limit).depthImages(),
+          memory_.depthImages(),
           [this](std::size_t view) {
             DepthImage image = files_.readDepth(view);
             image.empty_space = emptySpace(view, corrections_[view].map_from_camera);
@@ -71,12 +70,6 @@ Workspace::Workspace(const Recording& recording, const Params& params)
   for (const View& view : recording_.views()) as_recorded.push_back({view.map_from_camera, {}, 1});
   correctViews(std::move(as_recorded));
   leaveOut({});
-}
-
-bool Workspace::aligns() const {
-  const AlignmentParams& alignment = params_.alignment;
-  return params_.colorize.method == Method::kDefault &&
-         (alignment.align_exposure || alignment.align_poses != AlignPoses::kNone);
 }
 
 std::shared_ptr<const EmptySpace> Workspace::emptySpace(std::size_t view, const Eigen::Isometry3d& map_from_camera) {
@@ -155,7 +148,8 @@ bool Workspace::restoreDamagedViews() {
 }
 
 bool Workspace::restoreCorrections() {
-  if (!aligns() || !files_.holds(kAlignmentFolder, alignmentKey(recording_, params_, damaged_views_))) return false;
+  if (!params_.aligns() || !files_.holds(kAlignmentFolder, alignmentKey(recording_, params_, damaged_views_)))
+    return false;
   auto corrections = files_.readCorrections();
   if (!corrections) return false;
   correctViews(*std::move(corrections));

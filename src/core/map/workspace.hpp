@@ -15,6 +15,7 @@
 #include "map/decoded_images.hpp"
 #include "map/derived_files.hpp"
 #include "map/lru_cache.hpp"
+#include "map/memory_plan.hpp"
 #include "recording/scan_times.hpp"
 #include "surface/surface.hpp"
 #include "visibility/view_cones.hpp"
@@ -29,8 +30,7 @@ class Workspace {
   const Params& params() const { return params_; }
   const DerivedFiles& files() const { return files_; }
   const Camera& cameraOf(std::size_t view) const { return cameras_[recording_.views()[view].camera]; }
-  /// Whether these parameters ask for an alignment.
-  bool aligns() const;
+  const MemoryPlan& memory() const { return memory_; }
 
   std::shared_ptr<const Surface> surface(std::size_t tile) { return surfaces_.get(tile); }
   /// As far thinned as a view's depth image at that place [m] cannot tell.
@@ -66,6 +66,7 @@ class Workspace {
 
   Recording recording_;
   Params params_;
+  MemoryPlan memory_;
   DerivedFiles files_;
   std::vector<Camera> cameras_;
   std::vector<std::shared_ptr<const cv::Mat>> masks_;

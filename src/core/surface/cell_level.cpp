@@ -53,6 +53,7 @@ const Places kPlaces = makePlaces();
 
 CellLevel::CellLevel(PointsRef points, const std::vector<std::uint64_t>& keys, const ZOrderGrid& grid, int level)
     : level_(level) {
+  keys_.reserve(keys.size()), begins_.reserve(keys.size() + 1), moments_.reserve(keys.size());
   for (std::size_t i = 0; i < keys.size(); ++i) {
     const std::uint64_t key = keys[i] >> (3 * level);
     if (keys_.empty() || keys_.back() != key) {
@@ -68,6 +69,7 @@ CellLevel::CellLevel(PointsRef points, const std::vector<std::uint64_t>& keys, c
 
 CellLevel CellLevel::parents() const {
   CellLevel up(level_ + 1);
+  up.keys_.reserve(size()), up.begins_.reserve(size() + 1), up.moments_.reserve(size());
   for (std::size_t i = 0; i < size(); ++i) {
     const std::uint64_t key = keys_[i] >> 3;
     if (up.keys_.empty() || up.keys_.back() != key) {
@@ -97,12 +99,25 @@ void CellLevel::makeBlocks() {
     for (int k = 0; k < 27; ++k) {
       std::uint64_t near = blocks_[b].key;
       for (int axis = 0; axis < 3; ++axis) near = shiftedKey(near, axis, stepOf(k, axis));
-      const auto at = std::lower_bound(blocks_.begin(), blocks_.end(), near,
-                                       [](const Block& block, std::uint64_t wanted) { return block.key < wanted; });
-      const bool is_there = at != blocks_.end() && at->key == near;
-      around_[b][static_cast<std::size_t>(k)] = is_there ? static_cast<std::uint32_t>(at - blocks_.begin()) : kNoBlock;
+      around_[b][static_cast<std::size_t>(k)] = findBlock(near, b);
     }
   }
+}
+
+/// Searches in steps that double, as most blocks that touch are near in Z-order.
+std::uint32_t CellLevel::findBlock(std::uint64_t key, std::size_t from) const {
+  const auto before = [](const Block& block, std::uint64_t wanted) { return block.key < wanted; };
+  std::size_t low = from, high = from, step = 1;
+  if (blocks_[from].key < key) {
+    for (; high < blocks_.size() && blocks_[high].key < key; step *= 2) low = high, high += step;
+    high = std::min(high, blocks_.size());
+  } else {
+    for (; low > 0 && blocks_[low].key >= key; step *= 2) high = low, low -= std::min(low, step);
+    if (high < blocks_.size()) ++high;
+  }
+  const auto at = std::lower_bound(blocks_.begin() + static_cast<std::ptrdiff_t>(low),
+                                   blocks_.begin() + static_cast<std::ptrdiff_t>(high), key, before);
+  return at != blocks_.end() && at->key == key ? static_cast<std::uint32_t>(at - blocks_.begin()) : kNoBlock;
 }
 
 void CellNeighbors::moveTo(std::size_t cell) {

@@ -42,6 +42,7 @@ class CellLevel {
 
   explicit CellLevel(int level) : level_(level) {}
   void makeBlocks();
+  std::uint32_t findBlock(std::uint64_t key, std::size_t from) const;  ///< or kNoBlock
 
   int level_;
   std::vector<std::uint64_t> keys_;

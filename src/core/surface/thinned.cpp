@@ -10,14 +10,15 @@ namespace {
 
 using Eigen::Index;
 
-constexpr int kLevels = 7;  // below the coarsest: nearer than 1 / 128 of the largest distance a surface is whole
+constexpr int kCoarsest = kZOrderBits - 4;  // at most: some cells are in a tile
+constexpr int kLevels = 10;                 // below the coarsest
 
 }  // namespace
 
 std::vector<ThinnedSurface> thinSurface(const Surface& surface, const ZOrderGrid& grid, double max_cell) {
   std::vector<ThinnedSurface> thinned;
   if (surface.size() == 0) return thinned;
-  const int coarsest = std::min(kZOrderBits - 1, static_cast<int>(std::floor(std::log2(max_cell / grid.cell))));
+  const int coarsest = std::min(kCoarsest, static_cast<int>(std::floor(std::log2(max_cell / grid.cell))));
   const std::vector<std::uint64_t> keys = zorderKeys(surface.points, grid);
   const std::vector<std::uint32_t> order = zorderSort(keys, zorderMask(0));
   std::vector<Index> before(order.begin(), order.end());

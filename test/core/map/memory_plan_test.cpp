@@ -7,23 +7,38 @@
 namespace cloud_colorizer {
 namespace {
 
+MemoryPlan planOf(double megabytes, Method method, int num_threads) {
+  Params params;
+  params.colorize.memory_limit = megabytes;
+  params.colorize.method = method;
+  params.colorize.num_threads = num_threads;
+  return MemoryPlan(params);
+}
+
 TEST(MemoryPlan, WhatIsHeldAtOnceFitsTheLimit) {
   for (const double megabytes : {50.0, 1500.0, 1e6}) {
-    const MemoryPlan plan(megabytes);
-    const std::size_t kept = plan.surfaces() + plan.images() + plan.scans();
-    const auto limit = static_cast<std::size_t>(megabytes * 1e6);
-    EXPECT_LE(kept + plan.alignment(), limit);
-    EXPECT_LE(kept + plan.depthImages() + plan.chunks(), limit);
-    EXPECT_GT(kept + plan.depthImages() + plan.chunks(), limit * 9 / 10);
+    for (const Method method : {Method::kPaper, Method::kDefault}) {
+      const MemoryPlan plan = planOf(megabytes, method, 2);
+      const std::size_t kept = plan.surfaces() + plan.thinnedSurfaces() + plan.images() + plan.scans();
+      const auto limit = static_cast<std::size_t>(megabytes * 1e6);
+      EXPECT_LE(kept + (method == Method::kDefault ? plan.alignment() : 0), limit);
+      EXPECT_LE(kept + plan.depthImages() + plan.chunks(), limit);
+      EXPECT_GE(plan.images(), limit / 5);
+    }
   }
 }
 
+TEST(MemoryPlan, WhatChunksDoNotNeedIsForImages) {
+  EXPECT_EQ(planOf(1e5, Method::kPaper, 2).chunks(), 2 * planOf(1e5, Method::kPaper, 1).chunks());
+  EXPECT_GT(planOf(4000, Method::kPaper, 2).images(), 2200000000U);
+}
+
 TEST(MemoryPlan, AChunkOfTheDefaultSizeFits) {
-  EXPECT_LT(MemoryPlan::chunkBytes(300000), static_cast<double>(MemoryPlan(1500).chunks()));
+  EXPECT_LT(MemoryPlan::chunkBytes(240000), static_cast<double>(planOf(1500, Method::kDefault, 1).chunks()));
 }
 
 TEST(MemoryPlan, ZeroIsHalfOfTheMemoryButNotMoreThanFourGigabytes) {
-  const double limit = MemoryPlan(0).limit;
+  const double limit = planOf(0, Method::kDefault, 0).limit();
   EXPECT_GE(limit, 1e8);
   EXPECT_LE(limit, 4e9);
 }
