@@ -19,8 +19,8 @@ namespace {
 
 using TileIds = std::vector<std::size_t>;
 
-constexpr std::size_t kFlat = 8;      // floors and roads are flat: all their points may lie beside one cut along z
-constexpr double kLeastShare = 0.25;  // of the points on each side of a cut, where there is such a cut
+constexpr std::size_t kFloorCost = 8;  // floors and roads are flat: all their points may lie beside one cut along z
+constexpr double kLeastShare = 0.25;   // of the points on each side of a cut, where there is such a cut
 
 std::size_t countPoints(const std::vector<Tile>& tiles, const TileIds& ids) {
   return std::accumulate(ids.begin(), ids.end(), std::size_t{0},
@@ -56,7 +56,7 @@ std::optional<Cut> bestCut(const std::vector<Tile>& tiles, const TileIds& ids) {
       below += layer->second;
       const bool touch = next->first == layer->first + 1;
       const std::size_t beside = touch ? layer->second + next->second : 0;
-      const Cut cut{axis, layer->first, axis == 2 ? kFlat * beside : beside, std::min(below, all - below)};
+      const Cut cut{axis, layer->first, axis == 2 ? kFloorCost * beside : beside, std::min(below, all - below)};
       if (!best || cut.isBetterThan(*best, enough)) best = cut;
     }
   }
