@@ -57,7 +57,7 @@ enum class Unseen : std::uint8_t { kSeen, kMasked, kAbsent, kHidden, kTooFar, kO
 /// Why views did not see points: counts of (point, view) pairs.
 struct ObserveStats {
   std::uint64_t outside = 0, too_far = 0, hidden = 0, absent = 0, masked = 0, edge = 0, seen = 0;
-  std::uint64_t worse = 0;  ///< in the image, and not looked at further: the point has max_views better views
+  std::uint64_t worse = 0;  ///< not looked at further: the point has max_views better views
 };
 
 struct ObserveResult {

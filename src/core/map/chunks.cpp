@@ -22,11 +22,6 @@ using TileIds = std::vector<std::size_t>;
 constexpr std::size_t kFloorCost = 8;  // floors and roads are flat: all their points may lie beside one cut along z
 constexpr double kLeastShare = 0.25;   // of the points on each side of a cut, where there is such a cut
 
-std::size_t countPoints(const std::vector<Tile>& tiles, const TileIds& ids) {
-  return std::accumulate(ids.begin(), ids.end(), std::size_t{0},
-                         [&](std::size_t sum, std::size_t id) { return sum + tiles[id].num_points; });
-}
-
 /// Between the layers of tiles `before` and `before + 1` along an axis.
 struct Cut {
   std::size_t axis = 0;
@@ -45,12 +40,13 @@ struct Cut {
 
 /// Nothing where all tiles are in one layer along each axis, i.e. are one tile.
 std::optional<Cut> bestCut(const std::vector<Tile>& tiles, const TileIds& ids) {
-  const auto enough = static_cast<std::size_t>(kLeastShare * static_cast<double>(countPoints(tiles, ids)));
+  const std::size_t all = countPoints(tiles, ids);
+  const auto enough = static_cast<std::size_t>(kLeastShare * static_cast<double>(all));
   std::optional<Cut> best;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::map<std::int32_t, std::size_t> layers;
     for (const std::size_t id : ids) layers[tiles[id].index[axis]] += tiles[id].num_points;
-    std::size_t below = 0, all = countPoints(tiles, ids);
+    std::size_t below = 0;
     for (auto layer = layers.begin(); std::next(layer) != layers.end(); ++layer) {
       const auto next = std::next(layer);
       below += layer->second;

@@ -23,12 +23,15 @@ class MemoryPlan {
   std::size_t depthImages() const { return share(0.12); }
   std::size_t scans() const { return share(0.02); }
   /// What the stages leave; an image that is not kept goes through a file.
-  std::size_t images() const { return share(0.78) - std::max(chunks(), aligns_ ? alignment() : 0); }
+  std::size_t images() const {
+    const std::size_t of_chunks = share(0.78) - chunks();
+    return aligns_ ? std::min(of_chunks, share(0.9) - alignment()) : of_chunks;
+  }
 
   // In work, one stage after the other. The alignment needs no depth images beforehand.
   /// A chunk of the usual size for each thread, where there is room for so many.
   std::size_t chunks() const;
-  std::size_t alignment() const { return share(0.53); }
+  std::size_t alignment() const { return share(0.6); }
 
   /// What a chunk takes at most while it is coloured, its points seen from 20 views; measured, rounded up.
   static double chunkBytes(double num_points) { return 1400 * num_points; }

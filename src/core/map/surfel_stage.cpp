@@ -25,6 +25,15 @@ constexpr int kCellsPerBlock = 16;
 constexpr int kBits = kZOrderBits - 1;       // of a block; its grid reaches half a block beyond it
 constexpr std::size_t kMostPoints = 400000;  // of several tiles at once
 
+/// Tiles whose surfels are made together, as most of what lies around one of them is in the others.
+using Unit = std::vector<std::size_t>;
+
+Eigen::AlignedBox3f boxOf(const Recording& recording, const Unit& unit) {
+  Eigen::AlignedBox3f box;
+  for (const std::size_t tile : unit) box.extend(recording.tileBox(tile));
+  return box;
+}
+
 /// The points of tiles, those used last kept.
 class TilePoints {
  public:
@@ -37,13 +46,9 @@ class TilePoints {
   std::shared_ptr<const Points> of(std::size_t tile) { return points_.get(tile); }
 
   /// Those of some tiles, one after the other, then what lies within `margin` [m] of the box around them.
-  Points around(const std::vector<std::size_t>& tiles, float margin) {
-    Eigen::AlignedBox3f box;
-    Eigen::Index num_own = 0;
-    for (const std::size_t tile : tiles) {
-      box.extend(recording_.tileBox(tile));
-      num_own += static_cast<Eigen::Index>(recording_.tiles()[tile].num_points);
-    }
+  Points around(const Unit& tiles, float margin) {
+    Eigen::AlignedBox3f box = boxOf(recording_, tiles);
+    const auto num_own = static_cast<Eigen::Index>(countPoints(recording_.tiles(), tiles));
     box.min().array() -= margin, box.max().array() += margin;
     std::vector<Eigen::Vector3f> beside;
     for (const std::size_t other : tilesAround(recording_.tiles(), recording_.tileSize(), box.cast<double>())) {
@@ -69,9 +74,6 @@ class TilePoints {
   LruCache<Points> points_;
 };
 
-/// Tiles whose surfels are made together, as most of what lies around one of them is in the others.
-using Unit = std::vector<std::size_t>;
-
 /// Cubes of `side` tiles; those with too many points in smaller ones, down to a tile.
 void addUnits(const Recording& recording, const Unit& tiles, std::int32_t side, std::vector<Unit>& units) {
   std::map<TileIndex, Unit> cubes;
@@ -81,9 +83,7 @@ void addUnits(const Recording& recording, const Unit& tiles, std::int32_t side, 
     cubes[cube].push_back(tile);
   }
   for (const auto& [index, cube] : cubes) {
-    std::size_t count = 0;
-    for (const std::size_t tile : cube) count += recording.tiles()[tile].num_points;
-    if (side == 1 || count <= kMostPoints) {
+    if (side == 1 || countPoints(recording.tiles(), cube) <= kMostPoints) {
       units.push_back(cube);
     } else {
       addUnits(recording, cube, side / 2, units);
@@ -94,8 +94,7 @@ void addUnits(const Recording& recording, const Unit& tiles, std::int32_t side, 
 /// Of the points of a unit, as it lies in the map. All units have the same cells.
 Surfels surfelsOf(const Recording& recording, const Unit& unit, const ZOrderGrid& grid, TilePoints& source,
                   const SurfelParams& params) {
-  Eigen::Index num_own = 0;
-  for (const std::size_t tile : unit) num_own += static_cast<Eigen::Index>(recording.tiles()[tile].num_points);
+  const auto num_own = static_cast<Eigen::Index>(countPoints(recording.tiles(), unit));
   static_assert((kCellsPerBlock & (kCellsPerBlock - 1)) == 0, "a cell does not cross the border of a block");
   const auto margin = static_cast<float>(2 * blockSize(recording) / kCellsPerBlock);
   return estimateSurfels(source.around(unit, margin), num_own, grid,
@@ -103,11 +102,9 @@ Surfels surfelsOf(const Recording& recording, const Unit& unit, const ZOrderGrid
 }
 
 ZOrderGrid gridOf(const Recording& recording, const Unit& unit) {
-  Eigen::AlignedBox3f box;
-  for (const std::size_t tile : unit) box.extend(recording.tileBox(tile));
   const auto side = static_cast<float>(blockSize(recording));
   // Where tiles are missing the box is smaller, but its corner is one of a tile, and so of a largest cell.
-  return {box.min().array() - side / 2, std::ldexp(side, -kBits)};
+  return {boxOf(recording, unit).min().array() - side / 2, std::ldexp(side, -kBits)};
 }
 
 /// A van that drove ahead left a trail of points that hides the street. Where a camera has been, nothing stays: points
@@ -142,7 +139,6 @@ void makeSurfels(Workspace& work, const Callbacks& callbacks) {
   files.claim(kSurfelsFolder, surfelsKey(recording, work.params()));
   ProgressMeter progress(callbacks, "surfels", recording.numPoints());
   TilePoints source(recording, work.memory().surfaces());
-  const double thinnest = work.largestThinningCell();
   Unit all(recording.tiles().size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   std::vector<Unit> units;
@@ -159,7 +155,7 @@ void makeSurfels(Workspace& work, const Callbacks& callbacks) {
         Surface surface{*source.of(tile), surfels.segment(next, count)};
         clearPath(recording, tile, work.params().depth.clear_radius, surface.points, surface.surfels);
         if (findsMoving(recording, work.params())) markMoving(files.readMoving(tile), surface.surfels);
-        files.writeSurfels(tile, surface.surfels, thinSurface(surface, grid, thinnest));
+        files.writeSurfels(tile, surface.surfels, thinSurface(surface, grid));
       }
       next += count;
       progress.add(static_cast<std::size_t>(count), todo);

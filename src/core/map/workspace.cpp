@@ -79,22 +79,11 @@ std::shared_ptr<const EmptySpace> Workspace::emptySpace(std::size_t view, const 
                       [this](std::size_t scan) { return scans_.get(scan); });
 }
 
-double Workspace::thinningCell(const Camera& camera, double distance) const {
-  return kThinning * params_.depth.cellSize(camera.intrinsics()) * camera.pixelAngle() * distance;
-}
-
-double Workspace::largestThinningCell() const {
-  double largest = 0;
-  for (const Camera& camera : cameras_) {
-    largest = std::max(largest, thinningCell(camera, params_.depth.max_view_distance));
-  }
-  return largest;
-}
-
 std::shared_ptr<const Surface> Workspace::surfaceSeenFrom(std::size_t tile, std::size_t view,
                                                           const Eigen::Vector3d& eye) {
   const double nearest = recording_.tileBox(tile).cast<double>().exteriorDistance(eye);
-  const double cell = thinningCell(cameraOf(view), nearest);
+  const Camera& camera = cameraOf(view);
+  const double cell = kThinning * params_.depth.cellSize(camera.intrinsics()) * camera.pixelAngle() * nearest;
   const auto levels = thinned_levels_.get(tile);
   std::size_t level = levels->size();
   while (level > 0 && levels->at(level - 1).cell > cell) --level;

@@ -35,8 +35,6 @@ class Workspace {
   std::shared_ptr<const Surface> surface(std::size_t tile) { return surfaces_.get(tile); }
   /// As far thinned as a view's depth image at that place [m] cannot tell.
   std::shared_ptr<const Surface> surfaceSeenFrom(std::size_t tile, std::size_t view, const Eigen::Vector3d& eye);
-  /// m: of what any view may be shown.
-  double largestThinningCell() const;
   std::shared_ptr<const ScanRanges> scan(std::size_t scan) { return scans_.get(scan); }
   std::shared_ptr<const cv::Mat> image(std::size_t view) { return images_.get(view); }
   std::shared_ptr<const cv::Mat> mask(std::size_t camera) const { return masks_[camera]; }
@@ -62,8 +60,6 @@ class Workspace {
   bool restoreCorrections();
 
  private:
-  double thinningCell(const Camera& camera, double distance) const;
-
   Recording recording_;
   Params params_;
   MemoryPlan memory_;

@@ -7,11 +7,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "cloud_colorizer/recording/recording.hpp"
 
 namespace cloud_colorizer {
+
+/// Of the tiles `ids`, all together.
+inline std::size_t countPoints(const std::vector<Tile>& tiles, const std::vector<std::size_t>& ids) {
+  return std::accumulate(ids.begin(), ids.end(), std::size_t{0},
+                         [&](std::size_t sum, std::size_t id) { return sum + tiles[id].num_points; });
+}
 
 /// Of `tiles`, which ascend by index: those that touch the box [m], and some within a tile of it. Ascending.
 /// Takes a search for each row of tiles that the box crosses, or for each of these that is there.

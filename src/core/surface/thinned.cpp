@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "surface/thinned.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace cloud_colorizer {
@@ -10,20 +9,17 @@ namespace {
 
 using Eigen::Index;
 
-constexpr int kCoarsest = kZOrderBits - 4;  // at most: some cells are in a tile
-constexpr int kLevels = 10;                 // below the coarsest
+constexpr int kCoarsest = kZOrderBits - 4, kFinest = kCoarsest - 10;  // of the grid of a tile: some cells are in it
 
 }  // namespace
 
-std::vector<ThinnedSurface> thinSurface(const Surface& surface, const ZOrderGrid& grid, double max_cell) {
+std::vector<ThinnedSurface> thinSurface(const Surface& surface, const ZOrderGrid& grid) {
   std::vector<ThinnedSurface> thinned;
-  if (surface.size() == 0) return thinned;
-  const int coarsest = std::min(kCoarsest, static_cast<int>(std::floor(std::log2(max_cell / grid.cell))));
   const std::vector<std::uint64_t> keys = zorderKeys(surface.points, grid);
   const std::vector<std::uint32_t> order = zorderSort(keys, zorderMask(0));
   std::vector<Index> before(order.begin(), order.end());
   std::size_t num_last = before.size();
-  for (int level = std::max(1, coarsest - kLevels); level <= coarsest; ++level) {
+  for (int level = kFinest; level <= kCoarsest && !before.empty(); ++level) {
     std::vector<Index> kept;
     std::uint64_t cube = 0;
     bool has_standing = false, has_moving = false;

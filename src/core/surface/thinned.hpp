@@ -17,7 +17,7 @@ struct ThinnedSurface {
 };
 
 /// Fine to coarse: in each cube of 2^k grid cells the first point in Z-order of what stands, and the first of what
-/// moved (radius < 0). Cubes up to `max_cell` [m]; only surfaces with at most half of the points of the one before.
-std::vector<ThinnedSurface> thinSurface(const Surface& surface, const ZOrderGrid& grid, double max_cell);
+/// moved (radius < 0). Only surfaces with at most half of the points of the one before.
+std::vector<ThinnedSurface> thinSurface(const Surface& surface, const ZOrderGrid& grid);
 
 }  // namespace cloud_colorizer
