@@ -62,19 +62,6 @@ std::string imageName(int camera, int frame) {
   return "camera_" + std::to_string(camera) + "/" + sixDigits(static_cast<std::size_t>(frame)) + ".jpg";
 }
 
-/// The first `views` by their moments, as the cameras take turns.
-struct CityView {
-  int camera, frame;
-};
-std::vector<CityView> viewsOf(const Drive& drive, int views) {
-  std::vector<CityView> all;
-  for (int frame = 0; frame < drive.options().frames; ++frame) {
-    for (int camera = 0; camera < drive.options().cameras; ++camera) all.push_back({camera, frame});
-  }
-  all.resize(static_cast<std::size_t>(views));
-  return all;
-}
-
 void writeImages(const Scene& scene, const Drive& drive, const std::vector<CityView>& views, int threads,
                  const std::string& folder, const Callbacks& callbacks) {
   std::vector<PixelRays> rays;
@@ -109,9 +96,9 @@ void writeModel(const Drive& drive, const std::vector<CityView>& views, const st
   writeColmapModel(folder, model);
 }
 
-void writeCloud(const Scene& scene, const Drive& drive, std::size_t num_points, int threads, const std::string& path,
-                const Callbacks& callbacks) {
-  CityScanner scanner(scene, drive, num_points, threads);
+void writeCloud(const Scene& scene, const Drive& drive, const std::vector<CityView>& views, std::size_t num_points,
+                int threads, const std::string& path, const Callbacks& callbacks) {
+  CityScanner scanner(scene, drive, views, num_points, threads);
   CloudWriter writer(path, num_points, CityScanner::fields(), false);
   ProgressMeter progress(callbacks, "points", num_points);
   for (Cloud cloud = scanner.next(); cloud.positions.cols() > 0; cloud = scanner.next()) {
@@ -135,11 +122,11 @@ void simulateCity(const CommandLine& line, const Callbacks& callbacks) {
   fs::create_directories(output);
   const Drive drive(drive_options);
   const Scene scene = makeStreet(streetOf(drive_options), threads);
-  const std::vector<CityView> views = viewsOf(drive, options.views);
+  const std::vector<CityView> views = viewsOfCity(drive, options.views);
   writeModel(drive, views, output + "/model");
   writeSceneFile(drive, output + "/scene.yaml");
   writeImages(scene, drive, views, threads, output + "/images", callbacks);
-  writeCloud(scene, drive, options.points, threads, output + "/cloud.ply", callbacks);
+  writeCloud(scene, drive, views, options.points, threads, output + "/cloud.ply", callbacks);
 }
 
 }  // namespace

@@ -19,7 +19,6 @@ constexpr double kRange = 60, kNearest = 1;      // m, of the scanner
 constexpr double kRangeNoise = 0.003;            // m, standard deviation
 constexpr double kGrazingCosine = 0.02;          // below it nothing comes back
 constexpr double kToHouses = 8;                  // m, where points are as far apart along the way as along a profile
-constexpr double kOffset = 0.005;                // m before the surface, so that it does not hide itself
 constexpr std::uint64_t kRaysOfBlock = 1 << 14;  // of a thread; blocks of one call:
 constexpr std::uint64_t kBlocks = 32;
 constexpr std::uint64_t kTrialRays = 40000;
@@ -40,22 +39,23 @@ Options driveOfCity(const CityOptions& options) {
   return drive;
 }
 
+std::vector<CityView> viewsOfCity(const Drive& drive, int num_views) {
+  std::vector<CityView> views;
+  for (int v = 0; v < num_views; ++v) views.push_back({v % drive.options().cameras, v / drive.options().cameras});
+  return views;
+}
+
 struct CityScanner::Point {
   Eigen::Vector3d position{0, 0, 0};
   float intensity = 0;
   std::uint8_t color[3] = {0, 0, 0}, seen = 0, hidden = 0;
 };
 
-CityScanner::CityScanner(const Scene& scene, const Drive& drive, std::size_t num_points, int num_threads)
+CityScanner::CityScanner(const Scene& scene, const Drive& drive, const std::vector<CityView>& views,
+                         std::size_t num_points, int num_threads)
     : scene_(scene), drive_(drive), num_threads_(num_threads), num_left_(num_points) {
-  for (int camera = 0; camera < drive.options().cameras; ++camera) {
-    for (int frame = 0; frame < drive.options().frames; ++frame) {
-      const TrueView view = trueView(drive, camera, frame);
-      views_.push_back({view, view.map_from_camera.inverse()});
-    }
-  }
-  std::stable_sort(views_.begin(), views_.end(),
-                   [](const ViewAtTime& a, const ViewAtTime& b) { return a.view.time < b.view.time; });
+  for (const auto& [camera, frame] : views) views_.push_back(trueView(drive, camera, frame));
+  std::stable_sort(views_.begin(), views_.end(), [](const TrueView& a, const TrueView& b) { return a.time < b.time; });
   const double way = drive.options().speed * drive.options().frames / drive.options().rate;
   const double around = 2 * kPi * kToHouses;
   profile_ = {1, kTrialRays};
@@ -146,16 +146,13 @@ bool CityScanner::castRay(std::uint64_t ray, Point& point) const {
 /// Those of the moment first, for one free line of sight is enough.
 void CityScanner::lookFromViews(const Hit& hit, double time, Point& point) const {
   const double reach = DepthParams().max_view_distance;
-  const Eigen::Vector3d before = hit.point + kOffset * hit.normal;
-  const auto sees = [&](const ViewAtTime& at) {
-    const Eigen::Vector3d eye = at.view.map_from_camera.translation(), way = hit.point - eye;
-    if (way.squaredNorm() > reach * reach) return false;
-    if (!at.view.camera->project((at.camera_from_map * hit.point).cast<float>())) return false;
-    point.hidden = 1;
-    return hit.normal.dot(way) < 0 && !scene_.isBlocked(before, eye, at.view.time);
+  const auto sees = [&](const TrueView& view) {
+    const LineOfSight sight = lineOfSight(scene_, hit, view, reach);
+    if (sight != LineOfSight::kOutOfView) point.hidden = 1;
+    return sight == LineOfSight::kFree;
   };
   auto later = std::lower_bound(views_.begin(), views_.end(), time,
-                                [](const ViewAtTime& at, double t) { return at.view.time < t; });
+                                [](const TrueView& view, double t) { return view.time < t; });
   auto earlier = later;
   while (point.seen == 0 && (earlier != views_.begin() || later != views_.end())) {
     if (earlier != views_.begin() && sees(*--earlier)) point.seen = 1;

@@ -25,11 +25,18 @@ struct CityOptions {
 /// The drive that takes the photographs: two a metre. Throws std::invalid_argument with name, value and range.
 Options driveOfCity(const CityOptions& options);
 
+struct CityView {
+  int camera, frame;
+};
+/// The first so many of the drive, as its cameras take turns.
+std::vector<CityView> viewsOfCity(const Drive& drive, int num_views);
+
 /// Two scanners whose profiles stand at 45 degrees across the way, and turn so fast that points on the houses are about
 /// as far apart along the way as along a profile. Points come in the order in which they are scanned.
 class CityScanner {
  public:
-  CityScanner(const Scene& scene, const Drive& drive, std::size_t num_points, int num_threads);
+  CityScanner(const Scene& scene, const Drive& drive, const std::vector<CityView>& views, std::size_t num_points,
+              int num_threads);
 
   /// intensity; true_red, true_green, true_blue; seen: a free line of sight to some view; hidden: in some view's image,
   /// but none sees it. Of points beyond the colouring's max_view_distance both are 0.
@@ -43,10 +50,6 @@ class CityScanner {
   struct Profile {
     std::size_t turns, rays;  ///< rays of a turn
   };
-  struct ViewAtTime {
-    TrueView view;
-    Eigen::Isometry3d camera_from_map;
-  };
 
   std::vector<Point> scanRays(std::uint64_t begin, std::uint64_t end) const;
   bool castRay(std::uint64_t ray, Point& point) const;
@@ -57,7 +60,7 @@ class CityScanner {
   const Drive& drive_;
   int num_threads_;
   std::size_t num_left_;
-  std::vector<ViewAtTime> views_;  ///< ascending by time
+  std::vector<TrueView> views_;  ///< ascending by time
   Profile profile_{1, 1};
   std::uint64_t next_ray_ = 0;
 };

@@ -38,15 +38,11 @@ PointTruth truthOf(const Scene& scene, const Eigen::Vector3d& point, const std::
   truth.surface_distance = static_cast<float>(surface->distance);
   truth.color = scene.trueColor(*surface);
   truth.is_near_edge = isNearEdge(scene, point, *surface, options);
-  const Eigen::Vector3d before = surface->point + kOffset * surface->normal;
   for (const TrueView& view : views) {
-    const Eigen::Vector3d eye = view.map_from_camera.translation();
-    const Eigen::Vector3d way = surface->point - eye;
-    if (way.squaredNorm() > options.max_view_distance * options.max_view_distance) continue;
-    const Eigen::Vector3d in_camera = view.map_from_camera.linear().transpose() * way;
-    if (!view.camera->project(in_camera.cast<float>())) continue;
+    const LineOfSight sight = lineOfSight(scene, *surface, view, options.max_view_distance);
+    if (sight == LineOfSight::kOutOfView) continue;
     if (truth.truth == Truth::kOutOfView) truth.truth = Truth::kHidden;
-    if (surface->normal.dot(way) >= 0 || scene.isBlocked(before, eye, view.time)) continue;
+    if (sight == LineOfSight::kBlocked) continue;
     truth.truth = Truth::kVisible;
     ++truth.num_visible;
   }
@@ -54,6 +50,16 @@ PointTruth truthOf(const Scene& scene, const Eigen::Vector3d& point, const std::
 }
 
 }  // namespace
+
+LineOfSight lineOfSight(const Scene& scene, const Hit& surface, const TrueView& view, double max_distance) {
+  const Eigen::Vector3d eye = view.map_from_camera.translation(), way = surface.point - eye;
+  if (way.squaredNorm() > max_distance * max_distance) return LineOfSight::kOutOfView;
+  const Eigen::Vector3d in_camera = view.map_from_camera.linear().transpose() * way;
+  if (!view.camera->project(in_camera.cast<float>())) return LineOfSight::kOutOfView;
+  const Eigen::Vector3d before = surface.point + kOffset * surface.normal;
+  const bool blocked = surface.normal.dot(way) >= 0 || scene.isBlocked(before, eye, view.time);
+  return blocked ? LineOfSight::kBlocked : LineOfSight::kFree;
+}
 
 TrueView trueView(const Drive& drive, int camera, int frame) {
   return {&drive.cameras().at(static_cast<std::size_t>(camera)).camera, drive.mapFromCamera(camera, frame),

@@ -38,6 +38,11 @@ enum class Truth : std::uint8_t {
   kNoSurface,  ///< farther from every standing surface than the limit (a moving car's points)
 };
 
+/// What a view has of a surface point [m, map]: it is not in the image or farther than max_distance; something stands
+/// between; or the line of sight is free.
+enum class LineOfSight { kOutOfView, kBlocked, kFree };
+LineOfSight lineOfSight(const Scene& scene, const Hit& surface, const TrueView& view, double max_distance);
+
 struct PointTruth {
   Truth truth = Truth::kNoSurface;
   bool is_near_edge = false;      ///< within edge_distance another face is as near: what it saw is ambiguous

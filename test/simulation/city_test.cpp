@@ -22,7 +22,7 @@ Cloud scanAll(int num_threads) {
   StreetOptions street = streetOf(drive.options());
   street.lighting.shadow_cell = 0.5;
   const Scene scene = makeStreet(street);
-  CityScanner scanner(scene, drive, kPoints, num_threads);
+  CityScanner scanner(scene, drive, viewsOfCity(drive, smallCity().views), kPoints, num_threads);
   Cloud all{Eigen::Matrix3Xd(3, 0), CityScanner::fields(), {}};
   for (Cloud cloud = scanner.next(); cloud.positions.cols() > 0; cloud = scanner.next()) {
     Eigen::Matrix3Xd joined(3, all.positions.cols() + cloud.positions.cols());
