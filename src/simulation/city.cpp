@@ -41,6 +41,7 @@ Options driveOfCity(const CityOptions& options) {
 
 std::vector<CityView> viewsOfCity(const Drive& drive, int num_views) {
   std::vector<CityView> views;
+  views.reserve(static_cast<std::size_t>(num_views));
   for (int v = 0; v < num_views; ++v) views.push_back({v % drive.options().cameras, v / drive.options().cameras});
   return views;
 }
