@@ -37,7 +37,9 @@ const OptionSpec kConfigOption = {
 void recordBags(const CommandLine& line, const std::vector<std::string>& bags, const std::string& directory,
                 CollectorEvents events, const Callbacks& callbacks) {
   BagSource source(bags);
-  const Rig rig = line.has("config") ? readRig(line.option("config"), source.topics()) : guessRig(source.topics());
+  const auto format_of = [&](const std::string& topic) { return source.formatOf(topic); };
+  Rig rig = line.has("config") ? readRig(line.option("config"), source.topics()) : guessRig(source.topics(), format_of);
+  source.addOdometry(rig);
   callbacks.log(LogLevel::kInfo, describeRig(rig));
   const CollectorParams params = collectorParams(line, rig);
   Recorder recorder(directory, params.map_frame, params.record);
@@ -45,7 +47,10 @@ void recordBags(const CommandLine& line, const std::vector<std::string>& bags, c
   Collector collector(recorder, params, std::move(events));
   source.play(rig, params.tf_wait, collector, callbacks);
   recorder.flush();
-  callbacks.log(LogLevel::kInfo, collector.stats().describe());
+  const CollectorStats& stats = collector.stats();
+  callbacks.log(LogLevel::kInfo, stats.describe());
+  require<NothingColored>(recorder.numPoints() > 0, stats.whyNoPoints());
+  require<NothingColored>(recorder.numViews() > 0, stats.whyNoViews());
 }
 
 }  // namespace cloud_colorizer

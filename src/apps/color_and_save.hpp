@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/command_line.hpp"
+#include "cloud_colorizer/map/colorize.hpp"
 #include "cloud_colorizer/recording/recording.hpp"
 
 namespace cloud_colorizer {
@@ -19,7 +20,11 @@ extern const OptionSpec kWriteModelOption;
 void checkOutputs(const CommandLine& line);
 
 /// Colours the recording and writes what the options ask for. `image_names`: see exportModel().
-void colorAndSave(const Recording& recording, const CommandLine& line, const Callbacks& callbacks,
-                  const std::vector<std::string>& image_names = {});
+ColorizeSummary colorAndSave(const Recording& recording, const CommandLine& line, const Callbacks& callbacks,
+                             const std::vector<std::string>& image_names = {});
+
+/// The last word of a program: throws NothingColored, with the main reason and its remedy, when less than a hundredth
+/// of the points could be coloured.
+void requireColored(const ColorizeSummary& summary);
 
 }  // namespace cloud_colorizer

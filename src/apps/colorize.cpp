@@ -14,6 +14,6 @@ int main(int argc, char** argv) {
   spec.options = {{"output", "FILE", "the coloured map, .ply or .pcd", true}, kWriteModelOption};
   return runMain(argc, argv, spec, [](const CommandLine& line, const Callbacks& callbacks) {
     checkOutputs(line);
-    colorAndSave(Recording::open(line.positionals[0]), line, callbacks);
+    requireColored(colorAndSave(Recording::open(line.positionals[0]), line, callbacks));
   });
 }

@@ -33,8 +33,9 @@ void run(const CommandLine& line, const Callbacks& callbacks) {
   recordBags(line, line.positionals, scratch.path(), {}, callbacks);
   const Recording recording = Recording::open(scratch.path());
   if (recording.numPoints() > 0 && !recording.views().empty()) scratch.setWhole();  // else it can colour nothing
-  colorAndSave(recording, line, callbacks);
+  const ColorizeSummary summary = colorAndSave(recording, line, callbacks);
   scratch.setDone();
+  requireColored(summary);
 }
 
 }  // namespace

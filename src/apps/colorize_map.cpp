@@ -24,13 +24,14 @@ int main(int argc, char** argv) {
   using namespace cloud_colorizer;
   CommandSpec spec;
   spec.program = "colorize_map";
-  spec.summary = "Colours a cloud from images with known cameras and poses (COLMAP text model).";
-  spec.options = {{"cloud", "FILE", "the map, .ply or .pcd", true},
-                  {"images", "DIR", "folder of the images that the model names", true},
-                  {"model", "DIR", "folder with cameras.txt and images.txt", true},
-                  {"output", "FILE", "the coloured map, .ply or .pcd", true},
-                  {"recording", "DIR", "keep the recording here instead of in a temporary folder", false},
-                  kWriteModelOption};
+  spec.summary = "Colours a cloud from images with known cameras and poses (COLMAP model).";
+  spec.options = {
+      {"cloud", "FILE", "the map, .ply or .pcd", true},
+      {"images", "DIR", "folder of the images that the model names", true},
+      {"model", "DIR", "folder of a COLMAP model, binary or text (also the folder around its sparse/0)", true},
+      {"output", "FILE", "the coloured map, .ply or .pcd", true},
+      {"recording", "DIR", "keep the recording here instead of in a temporary folder", false},
+      kWriteModelOption};
   // A finished map: every point is wanted, and nothing is known about its scale or about where it was measured from.
   spec.defaults.record.voxel_size = 0;
   spec.defaults.depth.max_view_distance = 1e6;
@@ -47,7 +48,8 @@ int main(int argc, char** argv) {
                                             scratch.path(), line.params.record, callbacks);
     scratch.setWhole();
     const auto names = writes_model ? imageNames(line.option("model")) : std::vector<std::string>{};
-    colorAndSave(recording, line, callbacks, names);
+    const ColorizeSummary summary = colorAndSave(recording, line, callbacks, names);
     scratch.setDone();
+    requireColored(summary);
   });
 }

@@ -240,7 +240,8 @@ std::string helpText(const CommandSpec& spec) {
     std::for_each(params.begin() + kNumMainParams, params.end(), print);
     std::for_each(spec.other_params.begin(), spec.other_params.end(), print);
   }
-  out << "\nExit codes: 0 done, 1 failed, 2 bad command line, 130 cancelled by Ctrl-C.\n";
+  out << "\nExit codes: 0 done, 1 failed, 2 bad command line, 3 nothing or under 1 % coloured, 130 cancelled by "
+         "Ctrl-C.\n";
   return out.str();
 }
 
@@ -297,6 +298,9 @@ int runMain(int argc, const char* const* argv, const CommandSpec& spec,
   } catch (const Cancelled&) {
     terminal->log(LogLevel::kError, "cancelled");
     return 130;
+  } catch (const NothingColored& error) {
+    terminal->log(LogLevel::kError, error.what());
+    return 3;
   } catch (const std::exception& error) {
     terminal->log(LogLevel::kError, error.what());
     return 1;

@@ -48,6 +48,11 @@ struct UsageError : std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
+/// Nothing, or next to nothing, could be coloured; the message says why and what to do. Exit code 3.
+struct NothingColored : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 struct CommandLine {
   std::vector<std::string> positionals;
   std::map<std::string, std::string> options;  ///< by name; a given flag is "true"

@@ -3,15 +3,23 @@
 
 #include "cloud_colorizer/ros/bag_source.hpp"
 
+#include <geometry_msgs/PoseStamped.h>
+#include <nav_msgs/Odometry.h>
 #include <rosbag/bag.h>
 #include <rosbag/exceptions.h>
 #include <rosbag/view.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <set>
+#include <sstream>
 
 #include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/ros/conversions.hpp"
+#include "ros/livox.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -31,12 +39,50 @@ auto guarded(const std::string& bag, const Body& body) {
   }
 }
 
+/// By the first bytes of the file, or by the folder around it.
+bool isOfRos2(const std::string& path) {
+  namespace fs = std::filesystem;
+  if (fs::is_directory(path)) return fs::exists(fs::path(path) / "metadata.yaml");
+  char head[16] = {};
+  std::ifstream(path, std::ios::binary).read(head, sizeof(head));
+  return std::string(head, 13) == "SQLite format" || std::string(head, 5) == "\x89MCAP";
+}
+
+void checkBag(const std::string& path) {
+  require(!isOfRos2(path), path,
+          " is a bag of ROS 2, which this package does not read; convert it: pip install rosbags, ",
+          "then rosbags-convert --src ", path, " --dst converted.bag");
+  require(std::filesystem::is_regular_file(path), "there is no bag ", path);
+}
+
+/// The pose of an odometry message as a transform; empty frames where the message says none.
+tf2_msgs::TFMessage transformOf(const rosbag::MessageInstance& message, const std::string& base_frame) {
+  geometry_msgs::TransformStamped transform;
+  geometry_msgs::Pose pose;
+  transform.child_frame_id = base_frame;
+  if (const auto odometry = message.instantiate<nav_msgs::Odometry>()) {
+    transform.header = odometry->header;
+    pose = odometry->pose.pose;
+    if (base_frame.empty()) transform.child_frame_id = odometry->child_frame_id;
+  } else if (const auto stamped = message.instantiate<geometry_msgs::PoseStamped>()) {
+    transform.header = stamped->header;
+    pose = stamped->pose;
+  }
+  transform.transform.translation.x = pose.position.x;
+  transform.transform.translation.y = pose.position.y;
+  transform.transform.translation.z = pose.position.z;
+  transform.transform.rotation = pose.orientation;
+  tf2_msgs::TFMessage result;
+  result.transforms.push_back(transform);
+  return result;
+}
+
 }  // namespace
 
 struct BagSource::Impl {
   explicit Impl(const Strings& paths) {
     for (const std::string& path : paths) {
-      require(std::filesystem::is_regular_file(path), "there is no bag ", path);
+      checkBag(path);
       bags.push_back(std::make_unique<rosbag::Bag>());
       guarded(path, [&] { bags.back()->open(path, rosbag::bagmode::Read); });
       names += (names.empty() ? "" : " ") + path;
@@ -63,25 +109,72 @@ struct BagSource::Impl {
 
 namespace {
 
+/// Tells of topics whose stamps are seconds away from those of tf by the times of receipt, as with PTP without UTC.
+class ClockWatch {
+ public:
+  void add(const std::string& topic, ros::Time receipt, ros::Time stamp) {
+    std::vector<double>& delays = delays_[topic];
+    if (!stamp.isZero() && delays.size() < kMost) delays.push_back(receipt.toSec() - stamp.toSec());
+  }
+
+  void warn(const Callbacks& callbacks) const {
+    const auto tf = delays_.find(kTf.front());
+    if (tf == delays_.end() || tf->second.empty() || !callbacks.log) return;
+    for (const auto& [topic, delays] : delays_) {
+      if (delays.empty()) continue;
+      const double offset = median(delays) - median(tf->second);
+      if (std::abs(offset) < kNoticed) continue;
+      std::ostringstream text;
+      text.precision(4);
+      text << topic << ": its stamps are " << std::abs(offset) << " s " << (offset > 0 ? "behind" : "ahead of")
+           << " those of tf that were received at the same time";
+      if (std::abs(std::abs(offset) - 37) < 1) text << " (37 s lie between TAI, the time of PTP, and UTC)";
+      text << "; if its clock differs, set its time offset (cloud_time_offset, camera_<i>/time_offset) to " << offset;
+      callbacks.log(LogLevel::kWarning, text.str());
+    }
+  }
+
+ private:
+  static constexpr std::size_t kMost = 200;  // messages of a topic
+  static constexpr double kNoticed = 10.0;   // s; mapping programs send their poses some seconds late
+
+  static double median(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  }
+
+  std::map<std::string, std::vector<double>> delays_;  ///< s, from stamp to receipt
+};
+
 /// Gives transforms to the collector, ahead of the other messages.
 class TransformReader {
  public:
-  TransformReader(std::unique_ptr<rosbag::View> view, double lead, Collector& collector)
-      : view_(std::move(view)), next_(view_->begin()), lead_(lead), collector_(collector) {}
+  TransformReader(std::unique_ptr<rosbag::View> view, const Rig& rig, double lead, Collector& collector,
+                  ClockWatch& clocks)
+      : view_(std::move(view)), next_(view_->begin()), rig_(rig), lead_(lead), collector_(collector), clocks_(clocks) {}
 
   /// All that were received up to `lead` after `time`, but not past a step back of their stamps.
   void readTo(ros::Time time) {
     if (time > ros::TIME_MAX - lead_) time = ros::TIME_MAX - lead_;
     for (; next_ != view_->end() && next_->getTime() <= time + lead_; ++next_) {
-      const auto message = next_->instantiate<tf2_msgs::TFMessage>();
-      if (!message) continue;
-      if (next_->getTime() > time && stepsBack(*message)) return;
-      for (const auto& transform : message->transforms) last_[transform.child_frame_id] = transform.header.stamp;
-      collector_.addTransforms(*message, false);
+      const tf2_msgs::TFMessage message = read();
+      if (next_->getTime() > time && stepsBack(message)) return;
+      for (const auto& transform : message.transforms) {
+        last_[transform.child_frame_id] = transform.header.stamp;
+        clocks_.add(kTf.front(), next_->getTime(), transform.header.stamp);
+      }
+      collector_.addTransforms(message, false);
     }
   }
 
  private:
+  tf2_msgs::TFMessage read() const {
+    if (next_->getTopic() == rig_.odometry) return transformOf(*next_, rig_.base_frame);
+    const auto message = next_->instantiate<tf2_msgs::TFMessage>();
+    return message ? *message : tf2_msgs::TFMessage();
+  }
+
   bool stepsBack(const tf2_msgs::TFMessage& message) const {
     for (const auto& transform : message.transforms) {
       const auto last = last_.find(transform.child_frame_id);
@@ -92,16 +185,29 @@ class TransformReader {
 
   std::unique_ptr<rosbag::View> view_;
   rosbag::View::iterator next_;
+  const Rig& rig_;
   ros::Duration lead_;
   Collector& collector_;
+  ClockWatch& clocks_;
   std::map<std::string, ros::Time> last_;
 };
 
 /// Gives a message to the collector in the role that its topic has.
-void give(const rosbag::MessageInstance& message, const Rig& rig, Collector& collector) {
+void give(const rosbag::MessageInstance& message, const Rig& rig, Collector& collector, ClockWatch& clocks) {
   const std::string& topic = message.getTopic();
+  const auto watch = [&](const auto& of) { clocks.add(topic, message.getTime(), of->header.stamp); };
   if (topic == rig.cloud) {
-    if (const auto cloud = message.instantiate<sensor_msgs::PointCloud2>()) collector.addCloud(cloud);
+    if (isLivoxType(message.getDataType())) {
+      std::vector<std::uint8_t> bytes(message.size());
+      ros::serialization::OStream stream(bytes.data(), message.size());
+      message.write(stream);
+      const auto cloud = cloudFromLivox(bytes);
+      watch(cloud);
+      collector.addCloud(cloud);
+    } else if (const auto cloud = message.instantiate<sensor_msgs::PointCloud2>()) {
+      watch(cloud);
+      collector.addCloud(cloud);
+    }
     return;
   }
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
@@ -109,8 +215,10 @@ void give(const rosbag::MessageInstance& message, const Rig& rig, Collector& col
       if (const auto info = message.instantiate<sensor_msgs::CameraInfo>()) collector.addCameraInfo(i, info);
     } else if (topic == rig.cameras[i].image) {
       if (const auto image = message.instantiate<sensor_msgs::Image>()) {
+        watch(image);
         collector.addImage(i, image);
       } else if (const auto compressed = message.instantiate<sensor_msgs::CompressedImage>()) {
+        watch(compressed);
         collector.addImage(i, compressed);
       }
     }
@@ -158,6 +266,33 @@ std::size_t pointsSeen(const CollectorStats& stats) {
   return points.added + points.not_finite + points.too_far + points.too_near + points.voxel_taken;
 }
 
+/// Whether tf tells of the frame whose pose the first odometry message gives; a look at the first ones is enough.
+bool movesFrame(rosbag::View& odometry, rosbag::View& tf, const std::string& base_frame) {
+  constexpr int kFirst = 1000;
+  if (odometry.begin() == odometry.end()) return true;
+  const std::string child = transformOf(*odometry.begin(), base_frame).transforms[0].child_frame_id;
+  int count = 0;
+  for (const rosbag::MessageInstance& message : tf) {
+    const auto transforms = message.instantiate<tf2_msgs::TFMessage>();
+    if (!transforms) continue;
+    for (const auto& transform : transforms->transforms) {
+      if (transform.child_frame_id == child) return true;
+    }
+    if (++count == kFirst) break;
+  }
+  return child.empty();
+}
+
+/// A camera_info that comes once, or late, holds for the images before it.
+void giveFirstInfos(const Rig& rig, const std::function<std::unique_ptr<rosbag::View>(const Strings&)>& view,
+                    Collector& collector) {
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+    const auto infos = view({rig.cameras[i].camera_info});
+    if (infos->begin() == infos->end()) continue;
+    if (const auto info = infos->begin()->instantiate<sensor_msgs::CameraInfo>()) collector.addCameraInfo(i, info);
+  }
+}
+
 }  // namespace
 
 BagSource::BagSource(const Strings& bags) : impl_(new Impl(bags)) {}
@@ -169,6 +304,44 @@ double BagSource::duration() const {
   return impl_->duration;
 }
 
+std::string BagSource::formatOf(const std::string& topic) const {
+  return guarded(impl_->names, [&]() -> std::string {
+    const auto view = impl_->view({topic});
+    if (view->begin() == view->end()) return {};
+    if (const auto image = view->begin()->instantiate<sensor_msgs::Image>()) return image->encoding;
+    const auto compressed = view->begin()->instantiate<sensor_msgs::CompressedImage>();
+    if (!compressed) return {};
+    if (!encodingOfFormat(compressed->format).empty()) return compressed->format;
+    try {
+      return inspectCompressed(*compressed).channels == 1 ? "mono8; " + compressed->format : compressed->format;
+    } catch (const std::invalid_argument&) {
+      return compressed->format;  // it is told when it is read
+    }
+  });
+}
+
+void BagSource::addOdometry(Rig& rig) const {
+  if (rig.odometry.empty()) {
+    for (const auto& [topic, type] : impl_->topics) {
+      if (type != "nav_msgs/Odometry") continue;
+      if (!rig.odometry.empty()) {  // nobody knows which
+        rig.odometry.clear();
+        return;
+      }
+      rig.odometry = topic;
+    }
+    if (rig.odometry.empty()) return;
+    if (movesFrame(*impl_->view({rig.odometry}), *impl_->view(kTf), rig.base_frame)) rig.odometry.clear();
+  }
+  if (rig.odometry.empty()) return;
+  const auto view = impl_->view({rig.odometry});
+  if (view->begin() == view->end()) return;
+  const auto transform = transformOf(*view->begin(), rig.base_frame).transforms[0];
+  require(!transform.child_frame_id.empty(), "the messages of ", rig.odometry,
+          " do not say whose pose they give; set base_frame in the rig file");
+  if (rig.map_frame.empty()) rig.map_frame = transform.header.frame_id;
+}
+
 void BagSource::play(const Rig& rig, double tf_lead, Collector& collector, const Callbacks& callbacks) {
   guarded(impl_->names, [&] {
     const auto static_tf = impl_->view(kStaticTf);
@@ -176,16 +349,22 @@ void BagSource::play(const Rig& rig, double tf_lead, Collector& collector, const
       if (const auto transforms = message.instantiate<tf2_msgs::TFMessage>())
         collector.addTransforms(*transforms, true);
     }
-    TransformReader tf(impl_->view(kTf), tf_lead, collector);
+    ClockWatch clocks;
+    giveFirstInfos(
+        rig, [&](const Strings& topics) { return impl_->view(topics); }, collector);
+    Strings moving = kTf;
+    if (!rig.odometry.empty()) moving.push_back(rig.odometry);
+    TransformReader tf(impl_->view(moving), rig, tf_lead, collector, clocks);
     const auto sensors = impl_->view(sensorTopics(rig));
     ReadProgress progress(sensors->size(), callbacks);
     for (const rosbag::MessageInstance& message : *sensors) {
       tf.readTo(message.getTime());
-      give(message, rig, collector);
+      give(message, rig, collector, clocks);
       collector.process();
       progress.advance(pointsSeen(collector.stats()));
     }
     tf.readTo(ros::TIME_MAX);
+    clocks.warn(callbacks);
   });
   collector.finish();
 }

@@ -3,10 +3,6 @@
 
 #include "cloud_colorizer/ros/collector.hpp"
 
-#include <tf2/buffer_core.h>
-#include <tf2/exceptions.h>
-#include <tf2_eigen/tf2_eigen.h>
-
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -19,6 +15,7 @@
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
 #include "ros/node_log.hpp"
+#include "ros/transform_buffer.hpp"
 #include "ros/view_writer.hpp"
 
 namespace cloud_colorizer {
@@ -30,23 +27,9 @@ constexpr double kTfCache = 30;            // s of transforms that are kept, if 
 
 /// tf and time offsets add up to a day to a stamp, which ros::Time then may not hold.
 constexpr std::uint32_t kLastSecond = std::numeric_limits<std::uint32_t>::max() - 2 * 86400;
-constexpr double kMaxDistance = 1e9;  // m from the map's origin; up to there a double is exact to a micrometre
 
 using Invalid = std::invalid_argument;
 using Isometry = Eigen::Isometry3d;
-
-std::string withoutSlash(const std::string& frame) {
-  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
-}
-
-/// A message that cannot be recorded, and why.
-struct Refused {
-  Outcome outcome;
-  std::string reason;
-};
-
-/// The transform may still come: the message has to wait.
-struct NotYet : Refused {};
 
 /// An image of either kind.
 struct ImageMessage {
@@ -62,6 +45,7 @@ struct CameraState {
   sensor_msgs::CameraInfoConstPtr info;  ///< the newest
   std::optional<std::uint32_t> id;       ///< in the recording; set when the camera_info is good
   Intrinsics intrinsics;
+  Eigen::Vector3d baseline{0, 0, 0};                ///< m, of a rectified camera in the frame of its camera_info
   Refused info_error{Outcome::kBadCameraInfo, ""};  ///< why there is no id
   std::optional<Isometry> last_kept;
   std::optional<double> resumed_at;  ///< s, newest stamp that an earlier program recorded; until the first image
@@ -74,7 +58,8 @@ std::string badStamp(ros::Time stamp) {
 
 bool sameCamera(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo& b) {
   return a.width == b.width && a.height == b.height && a.distortion_model == b.distortion_model && a.D == b.D &&
-         a.K == b.K && a.P == b.P && a.binning_x == b.binning_x && a.binning_y == b.binning_y && a.roi == b.roi;
+         a.K == b.K && a.P == b.P && a.header.frame_id == b.header.frame_id && a.binning_x == b.binning_x &&
+         a.binning_y == b.binning_y && a.roi == b.roi;
 }
 
 cv::Mat1b readMask(const std::string& file) {
@@ -93,7 +78,7 @@ struct Collector::Impl {
         events(std::move(events_in)),
         map_frame(withoutSlash(params_in.map_frame)),
         sensor_frame(withoutSlash(params_in.sensor_frame)),
-        buffer(ros::Duration(std::max(kTfCache, 2 * params_in.tf_wait))),
+        transforms(std::max(kTfCache, 2 * params_in.tf_wait), params_in.tf_max_gap),
         writer(params_in.encode_threads, params_in.raw_image_format,
                [this](const PendingView& view) { viewKept(view); }) {
     params.check();
@@ -160,7 +145,7 @@ struct Collector::Impl {
     ++stats.time_jumps;
     process();  // what can still be used
     clearQueues();
-    buffer.clear();
+    transforms.clear();
     last_stamps.clear();
     newest = 0;
   }
@@ -178,39 +163,58 @@ struct Collector::Impl {
 
   // ---- transforms ----
 
-  /// At exactly `stamp`. Throws NotYet with tf's reason.
   Isometry lookUp(const std::string& target, const std::string& source, ros::Time stamp) const {
-    if (target == source) return Isometry::Identity();
-    try {
-      geometry_msgs::Transform transform = buffer.lookupTransform(target, source, stamp).transform;
-      Eigen::Quaterniond rotation;  // tf takes what is up to a percent off the unit length, and tf2_eigen as well
-      tf2::fromMsg(transform.rotation, rotation);
-      transform.rotation = tf2::toMsg(rotation.normalized());
-      Isometry result = tf2::transformToEigen(transform);
-      if (result.translation().cwiseAbs().maxCoeff() < kMaxDistance) return result;  // tf takes infinity
-      throw Refused{Outcome::kNoTransform, "the transform from " + source + " to " + target +
-                                               " is damaged: a translation of " +
-                                               std::to_string(result.translation().norm()) + " m"};
-    } catch (const tf2::ConnectivityException& error) {
-      throw NotYet{{Outcome::kNoTransform, std::string(error.what()) + " Is ~map_frame (" + map_frame + ") right?"}};
-    } catch (const std::runtime_error& error) {  // also ros::Duration's, where stamps are 68 years apart
-      throw NotYet{{Outcome::kNoTransform, error.what()}};
+    return transforms.lookUp(target, source, stamp);
+  }
+
+  /// In integers: a double of today's seconds is 0.2 us coarse, and the last transform is at the message's exact stamp.
+  static ros::Time shifted(ros::Time stamp, double offset) {
+    if (stamp.toSec() + offset <= 0) {
+      throw Refused{Outcome::kNoStamp, "the stamp with the time offset is before time 0"};
     }
+    if (stamp.toSec() + offset > kLastSecond) {
+      throw Refused{Outcome::kBadStamp, "the stamp with the time offset is out of range"};
+    }
+    return stamp + ros::Duration(offset);
   }
 
   static void checkHeader(const std_msgs::Header& header) {
     if (header.stamp.isZero()) throw Refused{Outcome::kNoStamp, "the header's stamp is zero"};
     if (header.stamp.sec > kLastSecond) throw Refused{Outcome::kBadStamp, badStamp(header.stamp)};
-    if (withoutSlash(header.frame_id).empty()) throw Refused{Outcome::kMalformed, "the header's frame_id is empty"};
   }
 
   // ---- clouds ----
 
+  /// Of clouds that are in the map frame already, as mapping programs publish them: the frame that is the scanner's by
+  /// its name, else the first camera's, which is near it.
+  std::string scannerFrame() const {
+    const std::string named = transforms.scannerFrame();
+    if (!named.empty()) return named;
+    for (const CameraState& camera : cameras) {
+      if (camera.info && transforms.has(withoutSlash(camera.info->header.frame_id))) {
+        return withoutSlash(camera.info->header.frame_id);
+      }
+    }
+    return {};
+  }
+
+  std::string sensorOf(const std::string& frame) {
+    const std::string sensor = sensor_frame.empty() ? frame : sensor_frame;
+    if (sensor != map_frame) return sensor;
+    const std::string scanner = scannerFrame();
+    if (scanner.empty()) return sensor;
+    warn("clouds", "range",
+         "the clouds are in the map frame already; they are taken as measured from the frame " + scanner +
+             "; set sensor_frame where the scanner has another");
+    return scanner;
+  }
+
   Outcome recordCloud(const sensor_msgs::PointCloud2& message) {
     checkHeader(message.header);
-    const ros::Time stamp = message.header.stamp;
+    const ros::Time stamp = shifted(message.header.stamp, params.cloud_time_offset);
     const std::string frame = withoutSlash(message.header.frame_id);
-    const std::string sensor = sensor_frame.empty() ? frame : sensor_frame;
+    if (frame.empty()) throw Refused{Outcome::kMalformed, "the header's frame_id is empty"};
+    const std::string sensor = sensorOf(frame);
     const Isometry map_from_sensor = lookUp(map_frame, sensor, stamp);
     const Isometry sensor_from_cloud = lookUp(sensor, frame, stamp);
     Cloud cloud;
@@ -219,18 +223,26 @@ struct Collector::Impl {
     } catch (const Invalid& error) {
       throw Refused{Outcome::kMalformed, error.what()};
     }
+    if (frame != map_frame) dropZeroReturns(cloud);
     if (sensor != frame) cloud.positions = sensor_from_cloud * cloud.positions;
-    if (sensor == map_frame) {
-      warn("clouds", "range",
-           "the clouds are in the map frame already, so ranges are measured from its origin; set "
-           "~sensor_frame to the scanner's frame");
-    }
     const CloudSource source = {frame, stamp.toSec()};
     const bool recorded_before = recorder->recognizeCloud(source);
     if (!recorded_before) countPoints(recorder->addCloud(cloud, map_from_sensor, source));
-    recorder->addScan(frame, source.stamp, cloud.positions, map_from_sensor);
+    // Where only the neighbourhood of the scanner is known, its rays are not.
+    const bool is_scanner =
+        sensor != map_frame && (frame != map_frame || sensor == sensor_frame || sensor == transforms.scannerFrame());
+    if (is_scanner) recorder->addScan(frame, source.stamp, cloud.positions, map_from_sensor);
     if (events.cloud_kept) events.cloud_kept(cloud, map_from_sensor, source.stamp);
     return recorded_before ? Outcome::kRecordedBefore : Outcome::kKept;
+  }
+
+  /// Many drivers give a beam without a return as (0, 0, 0).
+  static void dropZeroReturns(Cloud& cloud) {
+    for (Eigen::Index i = 0; i < cloud.positions.cols(); ++i) {
+      if ((cloud.positions.col(i).array() == 0).all()) {
+        cloud.positions.col(i).setConstant(std::numeric_limits<double>::quiet_NaN());
+      }
+    }
   }
 
   void countPoints(const Recorder::InsertCounts& counts) {
@@ -262,6 +274,7 @@ struct Collector::Impl {
       const CameraFromInfo result = cameraFromMessage(*camera.info, camera.params.rectified);
       if (!result.warning.empty()) warn(camera.name, "info", result.warning);
       camera.intrinsics = result.intrinsics;
+      camera.baseline = result.baseline;
       const double size = 1e-6 * camera.intrinsics.width * camera.intrinsics.height;
       if (size > params.max_image_size) camera.info_error.outcome = Outcome::kTooLarge;
       require<Invalid>(size <= params.max_image_size, "camera_info: an image of ", camera.intrinsics.width, " x ",
@@ -295,15 +308,33 @@ struct Collector::Impl {
     return true;
   }
 
+  /// P of the right camera of a stereo pair says how far it is from the frame that both cameras name. Most drivers give
+  /// each camera a frame of its own instead, which tells the same.
+  Eigen::Translation3d offsetInFrame(const CameraState& camera) {
+    const Eigen::Translation3d none(0, 0, 0);
+    if (camera.baseline.isZero()) return none;
+    const std::string frame = camera.info->header.frame_id;
+    const bool is_shared = std::any_of(cameras.begin(), cameras.end(), [&](const CameraState& other) {
+      return &other != &camera && other.info && other.info->header.frame_id == frame;
+    });
+    if (is_shared || frame.find("left") != std::string::npos) return Eigen::Translation3d(camera.baseline);
+    std::ostringstream text;
+    text << "P of camera_info places the camera " << camera.baseline.norm() << " m beside the frame " << frame
+         << ", which no other camera has; the frame is taken as this camera's own";
+    warn(camera.name, "baseline", text.str());
+    return none;
+  }
+
   /// Size of the image; throws Refused when it cannot be decoded.
-  static cv::Size inspect(const ImageMessage& image, std::string& extension) {
+  static cv::Size inspect(const ImageMessage& image, PendingView& view) {
     try {
       if (image.raw) {
         checkImage(*image.raw);
         return {static_cast<int>(image.raw->width), static_cast<int>(image.raw->height)};
       }
       const EncodedInfo info = inspectCompressed(*image.compressed);
-      extension = info.extension;
+      view.extension = info.extension;
+      view.is_mosaic = info.is_mosaic;
       return info.size;
     } catch (const Invalid& error) {
       throw Refused{Outcome::kUndecodable, error.what()};
@@ -318,17 +349,16 @@ struct Collector::Impl {
     view.camera = static_cast<std::size_t>(&camera - cameras.data());
     view.id = *camera.id;
     view.intrinsics = camera.intrinsics;
-    // In integers: a double of today's seconds is 0.2 us coarse, and the last transform is at the image's exact stamp.
-    if (image.header.stamp.toSec() + camera.params.time_offset <= 0) {
-      throw Refused{Outcome::kNoStamp, "the stamp with the time offset is before time 0"};
-    }
-    const ros::Time stamp = image.header.stamp + ros::Duration(camera.params.time_offset);
+    const ros::Time stamp = shifted(image.header.stamp, camera.params.time_offset);
     view.stamp = stamp.toSec();
-    view.map_from_camera = lookUp(map_frame, withoutSlash(image.header.frame_id), stamp);
+    std::string frame = withoutSlash(image.header.frame_id);
+    if (frame.empty()) frame = withoutSlash(camera.info->header.frame_id);
+    if (frame.empty()) throw Refused{Outcome::kMalformed, "neither the image nor its camera_info has a frame_id"};
+    view.map_from_camera = lookUp(map_frame, frame, stamp) * offsetInFrame(camera);
     if (isRecorded(camera, view)) return Outcome::kRecordedBefore;
     if (!isKeyframe(camera, view.map_from_camera)) return Outcome::kNotKeyframe;
 
-    const cv::Size size = inspect(image, view.extension);
+    const cv::Size size = inspect(image, view);
     if (size != cv::Size(camera.intrinsics.width, camera.intrinsics.height)) {
       std::ostringstream text;
       text << "the image is " << size.width << " x " << size.height << ", its camera_info says "
@@ -400,6 +430,7 @@ struct Collector::Impl {
     if (stamp > 0 && stamp <= kLastSecond) {
       noticeStamp(stream, stamp);
       newest = std::max(newest, stamp);
+      of.stamps.extend(stamp);
     }
     queue.push_back(message);
     if (queue.size() <= kMaxPending) return;
@@ -411,7 +442,7 @@ struct Collector::Impl {
   CollectorParams params;
   CollectorEvents events;
   std::string map_frame, sensor_frame;
-  tf2::BufferCore buffer;
+  TransformBuffer transforms;
   CollectorStats stats;
   std::vector<CameraState> cameras;
   std::deque<sensor_msgs::PointCloud2ConstPtr> clouds;
@@ -434,11 +465,16 @@ void Collector::addTransforms(const tf2_msgs::TFMessage& message, bool is_static
       impl_->warn("tf of " + child, toString(Outcome::kBadStamp), badStamp(transform.header.stamp));
       continue;
     }
-    if (!is_static) impl_->noticeStamp("tf of " + child, transform.header.stamp.toSec());
+    if (!is_static && !transform.header.stamp.isZero()) {
+      impl_->noticeStamp("tf of " + child, transform.header.stamp.toSec());
+      impl_->stats.tf_stamps.extend(transform.header.stamp.toSec());
+    }
     geometry_msgs::TransformStamped stripped = transform;
     stripped.child_frame_id = child;
     stripped.header.frame_id = withoutSlash(transform.header.frame_id);
-    impl_->buffer.setTransform(stripped, "tf", is_static);  // logs what it refuses
+    // An old node may send what is fixed again and again on /tf, with the stamp 0.
+    const std::string warning = impl_->transforms.add(stripped, is_static || transform.header.stamp.isZero());
+    if (!warning.empty()) impl_->warn("tf of " + child, "contradiction", warning);
   }
 }
 

@@ -12,6 +12,7 @@
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <set>
 
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
@@ -44,7 +45,7 @@ void readDistortion(const CameraInfo& message, CameraFromInfo& camera) {
   }
 }
 
-/// Region of interest, then binning, as image_geometry does: drivers bin by taking every n-th pixel from the first.
+/// Region of interest, then binning: a pixel is the mean of those that it is made of.
 void applyRoiAndBinning(const CameraInfo& message, Intrinsics& intrinsics) {
   const std::uint32_t bin_x = std::max<std::uint32_t>(message.binning_x, 1);
   const std::uint32_t bin_y = std::max<std::uint32_t>(message.binning_y, 1);
@@ -59,8 +60,9 @@ void applyRoiAndBinning(const CameraInfo& message, Intrinsics& intrinsics) {
   require<Invalid>(width <= kMost && height <= kMost, "camera_info: the image size is ", width, " x ", height);
   intrinsics.width = static_cast<int>(width);
   intrinsics.height = static_cast<int>(height);
-  intrinsics.cx = (intrinsics.cx - roi.x_offset) / bin_x;
-  intrinsics.cy = (intrinsics.cy - roi.y_offset) / bin_y;
+  // The centre of the first binned pixel lies between those that it is made of.
+  intrinsics.cx = (intrinsics.cx - roi.x_offset + 0.5) / bin_x - 0.5;
+  intrinsics.cy = (intrinsics.cy - roi.y_offset + 0.5) / bin_y - 0.5;
   intrinsics.fx /= bin_x;
   intrinsics.fy /= bin_y;
 }
@@ -76,12 +78,12 @@ cv::Size sizeFromBytes(const std::uint8_t* width, const std::uint8_t* height, in
 }
 
 /// Walks the segments to the frame header (SOF), then looks for the end marker.
-cv::Size inspectJpeg(const std::vector<std::uint8_t>& data) {
+EncodedInfo inspectJpeg(const std::vector<std::uint8_t>& data) {
   std::size_t end = data.size();
   while (end > 0 && data[end - 1] == 0) --end;  // some cameras pad their buffers
   require<Invalid>(end >= 4 && data[end - 2] == 0xFF && data[end - 1] == 0xD9,
                    "the JPEG is truncated: no end marker after ", data.size(), " bytes");
-  for (std::size_t at = 2; at + 9 < end;) {
+  for (std::size_t at = 2; at + 10 < end;) {
     require<Invalid>(data[at] == 0xFF, "the JPEG is damaged at byte ", at);
     const std::uint8_t marker = data[at + 1];
     if (marker == 0xFF) {  // a fill byte
@@ -89,25 +91,26 @@ cv::Size inspectJpeg(const std::vector<std::uint8_t>& data) {
       continue;
     }
     const bool is_frame = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
-    if (is_frame) return sizeFromBytes(&data[at + 7], &data[at + 5], 2);
+    if (is_frame) return {sizeFromBytes(&data[at + 7], &data[at + 5], 2), "jpg", data[at + 9], false};
     at += 2 + bigEndian(&data[at + 2], 2);
   }
   throw Invalid("the JPEG is damaged: it has no frame header");
 }
 
-cv::Size inspectPng(const std::vector<std::uint8_t>& data) {
+EncodedInfo inspectPng(const std::vector<std::uint8_t>& data) {
   static const char kEnd[] = "IEND";
   const auto tail = data.size() > 64 ? data.end() - 64 : data.begin();
   require<Invalid>(data.size() > 32 && std::search(tail, data.end(), kEnd, kEnd + 4) != data.end(),
                    "the PNG is truncated: no IEND chunk after ", data.size(), " bytes");
-  return sizeFromBytes(&data[16], &data[20], 4);
+  const bool has_colors = (data[25] & 2U) != 0;
+  return {sizeFromBytes(&data[16], &data[20], 4), "png", has_colors ? 3 : 1, false};
 }
 
 /// Bare numbers are colours in OpenCV's order, and some drivers have names of their own.
 std::string namedEncoding(const std::string& encoding) {
   static const std::map<std::string, std::string> names = {
-      {"8UC1", enc::MONO8},  {"8UC3", enc::BGR8},    {"8UC4", enc::BGRA8},  {"16UC1", enc::MONO16},
-      {"16UC3", enc::BGR16}, {"16UC4", enc::BGRA16}, {"uyvy", enc::YUV422}, {"yuyv", "yuv422_yuy2"}};
+      {"8UC1", enc::MONO8},   {"8UC3", enc::BGR8},   {"8UC4", enc::BGRA8},   {"16UC3", enc::BGR16},
+      {"16UC4", enc::BGRA16}, {"uyvy", enc::YUV422}, {"yuyv", "yuv422_yuy2"}};
   const auto found = names.find(encoding);
   return found == names.end() ? encoding : found->second;
 }
@@ -149,10 +152,12 @@ PixelLayout pixelLayout(const sensor_msgs::Image& message) {
   const auto found = newer.find(name);
   if (found != newer.end()) return found->second;
   if (name == enc::YUV422) return {CV_8UC2, 2, 2, 1};
+  require<Invalid>(!isOfValues(name), "the image encoding is ", message.encoding,
+                   ": depths or other values, no colours; a grey camera of 16 bits is mono16");
   require<Invalid>(enc::isColor(name) || enc::isMono(name) || enc::isBayer(name), "unknown image encoding \"",
                    message.encoding,
                    "\"; known are mono, rgb, rgba, bgr, bgra and bayer_* of 8 or 16 bits, 8UC1, 8UC3, ",
-                   "8UC4, 16UC1, 16UC3, 16UC4, yuv422 (uyvy), yuv422_yuy2 (yuyv), nv12, nv21, nv24");
+                   "8UC4, 16UC3, 16UC4, yuv422 (uyvy), yuv422_yuy2 (yuyv), nv12, nv21, nv24");
   return {cv_bridge::getCvType(name)};
 }
 
@@ -169,7 +174,8 @@ cv::Mat swapBytes(const cv::Mat& image) {
 }  // namespace
 
 CameraFromInfo cameraFromMessage(const CameraInfo& message, bool rectified) {
-  require<Invalid>(message.K[0] != 0, "camera_info: the camera is uncalibrated (K[0] = 0); calibrate it, or give its ",
+  require<Invalid>(rectified || message.K[0] != 0,
+                   "camera_info: the camera is uncalibrated (K[0] = 0); calibrate it, or give its ",
                    "driver the calibration file");
   require<Invalid>(message.width > 0 && message.height > 0, "camera_info: the image size is ", message.width, " x ",
                    message.height);
@@ -181,6 +187,9 @@ CameraFromInfo cameraFromMessage(const CameraInfo& message, bool rectified) {
   intrinsics.cx = rectified ? message.P[2] : message.K[2];
   intrinsics.cy = rectified ? message.P[6] : message.K[5];
   if (!rectified) readDistortion(message, camera);
+  // P projects a point of the first camera's frame: [x y z] + baseline' is it in this camera's, P[3] = fx * baseline'.
+  if (rectified) camera.baseline = {-message.P[3] / message.P[0], -message.P[7] / message.P[5], 0};
+  require<Invalid>(camera.baseline.allFinite(), "camera_info: P[3] or P[7] is not finite");
   applyRoiAndBinning(message, intrinsics);
   (void)Camera(intrinsics);  // checks the numbers
   return camera;
@@ -189,18 +198,32 @@ CameraFromInfo cameraFromMessage(const CameraInfo& message, bool rectified) {
 EncodedInfo inspectCompressed(const sensor_msgs::CompressedImage& message) {
   static const std::uint8_t kPng[] = {0x89, 'P', 'N', 'G', 0x0D, 0x0A, 0x1A, 0x0A};
   const auto& data = message.data;
+  const std::string encoding = encodingOfFormat(message.format);
+  require<Invalid>(message.format.find("compressedDepth") == std::string::npos && !isOfValues(encoding),
+                   "the compressed image has the format \"", message.format, "\": depths or other values, no colours");
   EncodedInfo info;
   if (data.size() >= 2 && data[0] == 0xFF && data[1] == 0xD8) {
-    info = {inspectJpeg(data), "jpg"};
+    info = inspectJpeg(data);
   } else if (data.size() >= 8 && std::equal(kPng, kPng + 8, data.begin())) {
-    info = {inspectPng(data), "png"};
+    info = inspectPng(data);
   } else {
     throw Invalid("the compressed image (format \"" + message.format + "\", " + std::to_string(data.size()) +
                   " bytes) is neither JPEG nor PNG");
   }
   require<Invalid>(info.size.width > 0 && info.size.height > 0, "the compressed image has the size ", info.size.width,
                    " x ", info.size.height);
+  info.is_mosaic = info.channels == 1 && enc::isBayer(encoding);
   return info;
+}
+
+std::string encodingOfFormat(const std::string& format) {
+  const auto end = format.find(';');
+  return end == std::string::npos ? std::string() : format.substr(0, format.find_last_not_of(' ', end - 1) + 1);
+}
+
+bool isOfValues(const std::string& encoding) {
+  static const std::set<std::string> values = {"8SC1", "16UC1", "16SC1", "32SC1", "32FC1", "64FC1"};
+  return values.count(encoding) != 0;
 }
 
 void checkImage(const sensor_msgs::Image& message) {
@@ -241,6 +264,23 @@ cv::Mat imageFromMessage(const sensor_msgs::Image& message) {
   } catch (const cv::Exception& error) {
     throw Invalid("image: " + error.err);
   }
+}
+
+bool isGrey(const std::string& encoding) {
+  const std::string name = namedEncoding(encoding);
+  return name == enc::MONO8 || name == enc::MONO16;
+}
+
+cv::Mat imageFromMessage(const sensor_msgs::CompressedImage& message) {
+  const EncodedInfo info = inspectCompressed(message);
+  const int flags = info.is_mosaic ? cv::IMREAD_UNCHANGED : cv::IMREAD_ANYCOLOR | cv::IMREAD_ANYDEPTH;
+  const cv::Mat image = cv::imdecode(message.data, flags | cv::IMREAD_IGNORE_ORIENTATION);
+  require<Invalid>(!image.empty(), "the compressed image (format \"", message.format, "\") cannot be decoded");
+  if (!info.is_mosaic) return image;
+  std::string encoding = encodingOfFormat(message.format);
+  // A mosaic of 16 bits in a JPEG has 8.
+  if (image.depth() == CV_8U) encoding = encoding.substr(0, encoding.find_first_of("0123456789")) + "8";
+  return cv_bridge::cvtColor(boost::make_shared<cv_bridge::CvImage>(message.header, encoding, image), enc::BGR8)->image;
 }
 
 EncodedImage encodeImage(const cv::Mat& image, const std::string& format) {

@@ -6,6 +6,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <set>
 #include <sstream>
@@ -13,14 +14,19 @@
 #include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/bag_source.hpp"
+#include "cloud_colorizer/ros/conversions.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
 const char* const kCloud = "sensor_msgs/PointCloud2";
+const char* const kLivox = "livox_ros_driver/CustomMsg";
+const char* const kLivox2 = "livox_ros_driver2/CustomMsg";
 const char* const kImage = "sensor_msgs/Image";
 const char* const kCompressed = "sensor_msgs/CompressedImage";
 const char* const kInfo = "sensor_msgs/CameraInfo";
+const char* const kOdometry = "nav_msgs/Odometry";
+const char* const kPose = "geometry_msgs/PoseStamped";
 
 std::string listTopics(const TopicTypes& topics) {
   std::string text = "topics:\n";
@@ -83,6 +89,67 @@ RigCamera readCamera(const YAML::Node& node, const std::string& file) {
                            "An example of a rig file:\n" + exampleRig());
 }
 
+// ---- which images have colours ----
+
+struct ImageTopic {
+  std::string topic, info;
+  std::string format;    ///< encoding of raw images, format of compressed ones; empty: unknown
+  std::string left_out;  ///< why; empty: it is taken
+};
+
+bool hasWord(const std::string& topic, const std::vector<std::string>& words) {
+  std::string lower = topic, word;
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::replace_if(
+      lower.begin(), lower.end(), [](unsigned char c) { return std::isalpha(c) == 0; }, ' ');
+  for (std::istringstream rest(lower); rest >> word;) {
+    if (std::find(words.begin(), words.end(), word) != words.end()) return true;
+  }
+  return false;
+}
+
+std::string encodingOf(const ImageTopic& image) {
+  const std::string of_format = encodingOfFormat(image.format);
+  return of_format.empty() ? image.format : of_format;
+}
+
+std::string whyNoColors(const ImageTopic& image) {
+  const std::string encoding = encodingOf(image);
+  if (endsWith(image.topic, "/compressedDepth") || image.format.find("compressedDepth") != std::string::npos) {
+    return "holds depths";
+  }
+  if (isOfValues(encoding)) return "holds depths or other values (" + encoding + ")";
+  if (hasWord(image.topic, {"depth", "disparity"})) return "holds depths by its name";
+  if (hasWord(image.topic, {"infra", "infrared", "ir", "nir", "nearir"})) return "is infrared by its name";
+  if (hasWord(image.topic, {"thermal", "lwir", "flir"}) && isGrey(encoding)) return "is thermal by its name";
+  if (hasWord(image.topic, {"mask", "label", "labels", "segmentation", "confidence", "reflec", "reflectivity"})) {
+    return "holds no colours by its name";
+  }
+  return {};
+}
+
+/// Grey cameras beside coloured ones would make the map grey where they look. All grey: they are what there is.
+void leaveOutGrey(std::vector<ImageTopic>& images) {
+  const bool any_color = std::any_of(images.begin(), images.end(), [](const ImageTopic& image) {
+    return image.left_out.empty() && !isGrey(encodingOf(image));
+  });
+  for (ImageTopic& image : images) {
+    if (any_color && image.left_out.empty() && isGrey(encodingOf(image))) {
+      image.left_out = "is grey (" + encodingOf(image) + "), and there are cameras with colours";
+    }
+  }
+}
+
+/// Of the topics of one camera, raw, compressed or made by image_proc, the first is taken.
+void leaveOutCompanions(std::vector<ImageTopic>& images) {
+  std::map<std::string, std::string> image_of_info;
+  for (ImageTopic& image : images) {
+    if (!image.left_out.empty()) continue;
+    const auto [first, is_new] = image_of_info.emplace(image.info, image.topic);
+    if (!is_new) image.left_out = "shows the same as " + first->second;
+  }
+}
+
 }  // namespace
 
 std::string exampleRig() {
@@ -93,7 +160,10 @@ std::string exampleRig() {
          "    time_offset: 0.0                  # s, added to the image stamps\n"
          "    mask: front_mask.png              # black where the camera must not colour; may be left out\n"
          "    rectified: false                  # true: P counts, without distortion\n"
-         "map_frame: map                        # may be left out\n";
+         "map_frame: map                        # may be left out\n"
+         "# odometry: /odom                     # nav_msgs/Odometry or geometry_msgs/PoseStamped, where tf has no "
+         "poses\n"
+         "# base_frame: base_link               # whose poses those are, where the messages do not say it\n";
 }
 
 Rig readRig(const std::string& file, const TopicTypes& topics) {
@@ -102,16 +172,19 @@ Rig readRig(const std::string& file, const TopicTypes& topics) {
   try {
     const YAML::Node node = YAML::LoadFile(file);
     require(node.IsMap(), file, ": this is no rig file; an example:\n", exampleRig());
-    checkKeys(node, {"map_frame", "cloud_in", "cameras"}, file);
+    checkKeys(node, {"map_frame", "cloud_in", "cameras", "odometry", "base_frame"}, file);
     require(node["cloud_in"] && node["cameras"] && node["cameras"].IsSequence(), file,
             ": cloud_in or the list of cameras is missing; an example:\n", exampleRig());
     if (node["map_frame"]) rig.map_frame = node["map_frame"].as<std::string>();
+    if (node["odometry"]) rig.odometry = node["odometry"].as<std::string>();
+    if (node["base_frame"]) rig.base_frame = node["base_frame"].as<std::string>();
     rig.cloud = node["cloud_in"].as<std::string>();
     for (const YAML::Node& camera : node["cameras"]) rig.cameras.push_back(readCamera(camera, file));
   } catch (const YAML::Exception& error) {
     throw std::runtime_error(file + ": " + error.what());
   }
-  checkTopic(topics, rig.cloud, {kCloud}, file);
+  if (!hasType(topics, rig.cloud, {kLivox, kLivox2})) checkTopic(topics, rig.cloud, {kCloud}, file);
+  if (!rig.odometry.empty()) checkTopic(topics, rig.odometry, {kOdometry, kPose}, file);
   for (const RigCamera& camera : rig.cameras) {
     checkTopic(topics, camera.image, {kImage, kCompressed}, file);
     checkTopic(topics, camera.camera_info, {kInfo}, file);
@@ -119,27 +192,37 @@ Rig readRig(const std::string& file, const TopicTypes& topics) {
   return rig;
 }
 
-Rig guessRig(const TopicTypes& topics) {
+Rig guessRig(const TopicTypes& topics, const FormatOf& format_of) {
   Rig rig;
-  std::map<std::string, std::string> image_of_info;
+  std::vector<ImageTopic> images;
   for (const auto& [topic, type] : topics) {  // in alphabetical order: a raw topic comes before its compressed one
-    if (type == kCloud) {
+    if (type == kCloud || type == kLivox || type == kLivox2) {
       if (!rig.cloud.empty()) failToGuess("The bag has more than one cloud topic.", topics);
       rig.cloud = topic;
     }
-    if ((type != kImage && type != kCompressed) || endsWith(topic, "/compressedDepth")) continue;
+    if ((type != kImage && type != kCompressed)) continue;
     const std::string info = siblingInfo(topic);
     if (!hasType(topics, info, {kInfo})) continue;
-    const auto [same, is_new] = image_of_info.emplace(info, topic);
-    if (is_new) {
-      rig.cameras.push_back({topic, info, {}});
-      rig.cameras.back().params.rectified = isRectified(topic);
-    } else if (withoutTransport(topic) != withoutTransport(same->second)) {
-      failToGuess("Both " + same->second + " and " + topic + " belong to " + info + ".", topics);
+    images.push_back({topic, info, format_of ? format_of(topic) : "", ""});
+    images.back().left_out = whyNoColors(images.back());
+  }
+  leaveOutGrey(images);
+  leaveOutCompanions(images);
+  for (const ImageTopic& image : images) {
+    if (!image.left_out.empty()) {
+      rig.left_out.emplace_back(image.topic, image.left_out);
+      continue;
     }
+    rig.cameras.push_back({image.topic, image.info, {}});
+    rig.cameras.back().params.rectified = isRectified(image.topic);
   }
   if (rig.cloud.empty()) failToGuess("The bag has no cloud topic.", topics);
-  if (rig.cameras.empty()) failToGuess("The bag has no image topic with a camera_info beside it.", topics);
+  if (rig.cameras.empty()) {
+    std::string why = "The bag has no image topic with a camera_info beside it.";
+    if (!images.empty()) why = "The bag has no images of colours:";
+    for (const ImageTopic& image : images) why += " " + image.topic + " " + image.left_out + ".";
+    failToGuess(why, topics);
+  }
   return rig;
 }
 
@@ -151,6 +234,8 @@ std::string describeRig(const Rig& rig) {
     out << "\ncamera_" << i << ": " << camera.image << " with " << camera.camera_info
         << (camera.params.rectified ? ", rectified" : "");
   }
+  if (!rig.odometry.empty()) out << "\nodometry: " << rig.odometry << ", map_frame: " << rig.map_frame;
+  for (const auto& [topic, why] : rig.left_out) out << "\nleft out: " << topic << ' ' << why;
   return out.str();
 }
 

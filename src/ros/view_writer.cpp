@@ -17,7 +17,12 @@ void ViewWriter::add(PendingView view, const sensor_msgs::ImageConstPtr& raw, Re
 }
 
 void ViewWriter::add(PendingView view, const sensor_msgs::CompressedImageConstPtr& compressed, Recorder& recorder) {
-  view.bytes = SharedBytes(&compressed->data, [keep = compressed](const void*) {});
+  if (view.is_mosaic) {
+    view.encoded = pool_.run(
+        [compressed, format = raw_image_format_] { return encodeImage(imageFromMessage(*compressed), format); });
+  } else {
+    view.bytes = SharedBytes(&compressed->data, [keep = compressed](const void*) {});
+  }
   views_.push_back(std::move(view));
   writeReady(recorder);
 }

@@ -26,7 +26,8 @@ struct PendingView {
   Intrinsics intrinsics;
   SharedBytes bytes;  ///< of a compressed image, as received
   std::string extension;
-  std::future<EncodedImage> encoded;  ///< of a raw image
+  bool is_mosaic = false;             ///< a compressed image that has to be made colours first
+  std::future<EncodedImage> encoded;  ///< of a raw image, or of a mosaic
 };
 
 class ViewWriter {

@@ -178,7 +178,120 @@ TEST_F(CollectorTest, FrameOfAnotherMapIsNamed) {
   finished();
   EXPECT_EQ(cloudCount(Outcome::kNoTransform), 1U);
   EXPECT_TRUE(logged("not part of the same tree"));
-  EXPECT_TRUE(logged("~map_frame"));
+  EXPECT_TRUE(logged("map_frame (map)"));
+}
+
+TEST_F(CollectorTest, FramesThatThereAreAreNamedWhereTheMapFrameIsNone) {
+  params_.map_frame = "world";
+  drive(10, 12);
+  addCloud(10.5);
+  finished();
+  EXPECT_TRUE(logged("map_frame is world, but tf has the frames base, camera, lidar, map"));
+  EXPECT_NE(collector().stats().whyNoPoints().find("set map_frame"), std::string::npos);
+}
+
+TEST_F(CollectorTest, NothingIsInterpolatedAcrossAGapOfTf) {
+  drive(10, 11);
+  drive(13, 14);
+  for (const double stamp : {10.55, 11.0, 12.0, 13.5}) addCloud(stamp);
+  finished();
+  EXPECT_EQ(cloudCount(Outcome::kKept), 3U);
+  EXPECT_EQ(cloudCount(Outcome::kNoTransform), 1U);
+  EXPECT_TRUE(logged("tf of base has a gap of 2 s"));
+}
+
+TEST_F(CollectorTest, AGapMayBeAllowed) {
+  params_.tf_max_gap = 0;
+  drive(10, 11);
+  drive(13, 14);
+  addCloud(12);
+  finished();
+  EXPECT_EQ(cloudCount(Outcome::kKept), 1U);
+}
+
+TEST_F(CollectorTest, TransformsThatContradictEachOtherAreTold) {
+  drive(10, 12);
+  collector().addTransforms(transformMessage("base", "lidar", 0, 0, 0, 2), true);
+  EXPECT_TRUE(log_.empty());
+  collector().addTransforms(transformMessage("base", "lidar", 0, 0, 0, 2.5), true);
+  EXPECT_TRUE(logged("two static transforms from base to lidar contradict each other by 0.5 m"));
+  collector().addTransforms(transformMessage("odom", "base", 12.05, 0), false);
+  EXPECT_TRUE(logged("frame base has two parents, map and odom"));
+}
+
+TEST_F(CollectorTest, AnotherClockIsToldWithTheOffsetThatFits) {
+  drive(10, 12);
+  for (const double stamp : {47.0, 48.0, 49.0}) addCloud(stamp);
+  finished();
+  const std::string why = collector().stats().whyNoPoints();
+  EXPECT_NE(why.find("cloud_time_offset=-37.000"), std::string::npos) << why;
+  EXPECT_NE(why.find("TAI"), std::string::npos) << why;
+}
+
+TEST_F(CollectorTest, CloudsHaveATimeOffset) {
+  params_.cloud_time_offset = -37;
+  drive(10, 12);
+  addCloud(47.5);
+  finished();
+  EXPECT_EQ(cloudCount(Outcome::kKept), 1U);
+}
+
+TEST_F(CollectorTest, ThePointsTellWhyNoneWasRecorded) {
+  params_.record.max_range = 2;  // the point is 3.7 m away
+  drive(10, 12);
+  addCloud(10.5);
+  finished();
+  EXPECT_NE(collector().stats().whyNoPoints().find("max_range"), std::string::npos);
+  EXPECT_NE(collector().stats().whyNoViews().find("camera_0: no image came"), std::string::npos);
+}
+
+TEST_F(CollectorTest, CloudsOfTheMapFrameAreMeasuredFromTheFrameThatIsCalledLidar) {
+  params_.record.max_range = 5;
+  drive(10, 12);
+  addCloud(10, "map");  // the point (1, 2, 3) of the map is 9.3 m from the lidar at (10, 0, 2)
+  EXPECT_EQ(collector().stats().points.too_far, 1U);
+  EXPECT_TRUE(logged("the clouds are in the map frame already"));
+}
+
+TEST_F(CollectorTest, BeamsWithoutAReturnAreNoPoints) {
+  params_.record.max_range = 1000;
+  drive(10, 12);
+  auto cloud = PointWriter().field("x", 7).field("y", 7).field("z", 7).done(2, 1);
+  std::fill(cloud.data.begin(), cloud.data.begin() + 12, std::uint8_t{0});
+  cloud.header.stamp.fromSec(10.5);
+  cloud.header.frame_id = "lidar";
+  collector().addCloud(boost::make_shared<sensor_msgs::PointCloud2>(cloud));
+  finished();
+  EXPECT_EQ(collector().stats().points.added, 1U);
+  EXPECT_EQ(collector().stats().points.not_finite, 1U);
+}
+
+TEST_F(CollectorTest, AnImageWithoutFrameHasThatOfItsInfo) {
+  drive(10, 12);
+  auto info = infoMessage(8, 6);
+  info.header.frame_id = "camera";
+  collector().addCameraInfo(0, boost::make_shared<sensor_msgs::CameraInfo>(info));
+  auto image = imageMessage("mono8", 8, 6, {1, 2});
+  image.header.stamp.fromSec(10.5);
+  collector().addImage(0, boost::make_shared<sensor_msgs::Image>(image));
+  EXPECT_EQ(finished().views().size(), 1U);
+}
+
+TEST_F(CollectorTest, TheRightCameraOfAPairStandsBesideTheirCommonFrame) {
+  params_.cameras.resize(2);
+  params_.cameras[0].rectified = params_.cameras[1].rectified = true;
+  drive(10, 12);
+  for (std::size_t camera = 0; camera < 2; ++camera) {
+    auto info = infoMessage(8, 6);
+    info.header.frame_id = "camera";
+    if (camera == 1) info.P[3] = -0.5 * info.P[0];
+    collector().addCameraInfo(camera, boost::make_shared<sensor_msgs::CameraInfo>(info));
+  }
+  for (std::size_t camera = 0; camera < 2; ++camera) addImage(10.5, imageMessage("mono8", 8, 6, {1, 2}), camera);
+  const auto views = finished().views();
+  ASSERT_EQ(views.size(), 2U);
+  const Eigen::Vector3d between = views[0].map_from_camera.inverse() * views[1].map_from_camera.translation();
+  EXPECT_LT((between - Eigen::Vector3d(0.5, 0, 0)).norm(), 1e-9) << between.transpose();
 }
 
 TEST_F(CollectorTest, RangesAreMeasuredFromTheSensorFrame) {

@@ -92,6 +92,7 @@ TEST(CloudFromMessage, WhatDoesNotFitIsRefused) {
   EXPECT_REFUSED(cloudFromMessage(message), "point_step");
   message = good;
   message.row_step = 32;
+  message.data.push_back(0);
   EXPECT_REFUSED(cloudFromMessage(message), "row_step");
   message = good;
   message.data.pop_back();
@@ -189,10 +190,10 @@ TEST(CameraFromMessage, RegionAndBinningMoveThePixels) {
   const Intrinsics binned = cameraFromMessage(info, false).intrinsics;
   EXPECT_EQ(binned.width, 200);
   EXPECT_EQ(binned.height, 75);
-  // A point at pixel (300, 200) of the whole image is at ((300 - 100) / 2, (200 - 40) / 4) of this one.
+  // The first pixel of this image is the mean of 2 x 4: its centre is at (0.5, 1.5) of those.
   const double x = (300.0 - 320) / 400, y = (200.0 - 240) / 400;
-  EXPECT_DOUBLE_EQ(binned.fx * x + binned.cx, 100);
-  EXPECT_DOUBLE_EQ(binned.fy * y + binned.cy, 40);
+  EXPECT_DOUBLE_EQ(binned.fx * x + binned.cx, (300 - 100 - 0.5) / 2);
+  EXPECT_DOUBLE_EQ(binned.fy * y + binned.cy, (200 - 40 - 1.5) / 4);
   info.roi.width = 600;
   EXPECT_REFUSED(cameraFromMessage(info, false), "roi");
 }
@@ -244,6 +245,54 @@ TEST(InspectCompressed, SizeAndKindFromTheBytes) {
     EXPECT_EQ(info.size, cv::Size(50, 30));
     EXPECT_EQ(info.extension, extension);
   }
+}
+
+TEST(CloudFromMessage, RowStepsThatAreNotNeededAreNotLookedAt) {
+  const sensor_msgs::PointCloud2 good = PointWriter().field("x", 7).field("y", 7).field("z", 7).done(4, 2);
+  const Cloud expected = cloudFromMessage(good);
+  for (const std::uint32_t row_step : {0U, good.row_step * good.height}) {
+    sensor_msgs::PointCloud2 message = good;
+    message.row_step = row_step;
+    EXPECT_EQ(cloudFromMessage(message).positions, expected.positions) << row_step;
+  }
+}
+
+/// image_transport compresses a mosaic as it is, and says so in the format.
+TEST(ImageFromCompressed, AMosaicBecomesColours) {
+  cv::Mat1b mosaic(32, 32);
+  for (int row = 0; row < 32; ++row) {
+    for (int col = 0; col < 32; ++col)
+      mosaic(row, col) = row % 2 == 0 ? (col % 2 == 0 ? 200 : 100) : (col % 2 == 0 ? 100 : 50);
+  }
+  for (const char* extension : {"png", "jpg"}) {
+    sensor_msgs::CompressedImage message = encoded(mosaic, extension);
+    EXPECT_FALSE(inspectCompressed(message).is_mosaic);
+    message.format = "bayer_rggb8; " + message.format + " compressed ";
+    EXPECT_TRUE(inspectCompressed(message).is_mosaic);
+    const cv::Mat colors = imageFromMessage(message);
+    ASSERT_EQ(colors.type(), CV_8UC3);
+    const auto pixel = colors.at<cv::Vec3b>(16, 16);
+    EXPECT_NEAR(pixel[0], 50, 6) << extension;
+    EXPECT_NEAR(pixel[1], 100, 6) << extension;
+    EXPECT_NEAR(pixel[2], 200, 6) << extension;
+  }
+}
+
+TEST(ImageFromCompressed, ColoursAreNoMosaicWhateverTheFormatSays) {
+  sensor_msgs::CompressedImage message = encoded(cv::Mat3b(8, 8, cv::Vec3b(1, 2, 3)), "png");
+  message.format = "bayer_rggb8; png compressed bgr8";
+  EXPECT_FALSE(inspectCompressed(message).is_mosaic);
+  EXPECT_EQ(imageFromMessage(message).at<cv::Vec3b>(4, 4), cv::Vec3b(1, 2, 3));
+}
+
+TEST(InspectCompressed, DepthsAreNoColours) {
+  sensor_msgs::CompressedImage message = encoded(cv::Mat1w(8, 8, std::uint16_t{700}), "png");
+  for (const char* format : {"16UC1; png compressed ", "32FC1; compressedDepth png", "16UC1; compressedDepth"}) {
+    message.format = format;
+    EXPECT_REFUSED(inspectCompressed(message), "no colours");
+  }
+  message.format = "mono16; png compressed ";
+  EXPECT_EQ(inspectCompressed(message).channels, 1);
 }
 
 TEST(InspectCompressed, TruncatedOrForeignDataIsRefused) {
@@ -423,7 +472,11 @@ TEST(ImageFromMessage, WhatDoesNotFitIsRefused) {
   EXPECT_REFUSED(checkImage(message), "data has");
   message.encoding = "nv24";  // the product of its rows and their length does not fit into 64 bits
   EXPECT_REFUSED(checkImage(message), "data has");
-  for (const char* encoding : {"32FC1", "16SC1", "8UC2", "8UC999999999", "8UC0", ""}) {
+  for (const char* encoding : {"16UC1", "32FC1", "16SC1"}) {
+    message.encoding = encoding;
+    EXPECT_REFUSED(imageFromMessage(message), "depths or other values");
+  }
+  for (const char* encoding : {"8UC2", "8UC999999999", "8UC0", ""}) {
     message.encoding = encoding;
     EXPECT_REFUSED(imageFromMessage(message), "unknown image encoding");
   }

@@ -261,15 +261,16 @@ class Drive {
 template <class Give>
 void giveMutated(unsigned seed, int count, const Give& give) {
   Mutator mutator(seed);
+  int left = count;
   Drive drive;
-  for (int i = 0; count > 0; ++i) {
+  for (int i = 0; left > 0; ++i) {
     const double time = kStart + 0.02 * i;
     const auto change = [&](const std::string& topic, auto message) {
       // Mostly one thing, or the first mistake would hide the others.
       if (mutator.chance(0.75)) {
         do mutator.mutate(message);
         while (mutator.chance(0.2));
-        --count;
+        --left;
       }
       convert(message);
       give(topic, message, time);

@@ -14,9 +14,13 @@
 
 namespace cloud_colorizer {
 
-/// Reads .ply (ascii, binary little and big endian; other elements than vertex are skipped) and .pcd (ascii, binary,
-/// binary_compressed). 64 bit integers become float64. Limits: a line of text of 1 MiB, a point of a million numbers,
-/// and 4 GB of points in a compressed file, all of which are then held in memory.
+/// "map.pcd" -> "map.origin.txt": x, y, z that the points of the PCD are relative to.
+std::string originFile(const std::string& pcd);
+
+/// Reads .ply (ascii, binary little and big endian; other elements than vertex and lists within it are skipped) and
+/// .pcd (ascii, binary, binary_compressed; VIEWPOINT and an originFile() beside it are applied). X, Y, Z are x, y, z.
+/// 64 bit integers become float64. Limits: a line of text of 1 MiB, a point of a million numbers, and 4 GB of points in
+/// a compressed file, all of which are then held in memory.
 class CloudReader {
  public:
   /// Reads the header. Throws std::runtime_error, with file and reason, when it is damaged or of another format, or

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// COLMAP's text model (cameras.txt, images.txt): how other programs hand over cameras and poses.
+/// COLMAP's models: how other programs hand over cameras and poses.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -22,10 +22,13 @@ struct ColmapImage {
 struct ColmapModel {
   std::vector<Intrinsics> cameras;
   std::vector<ColmapImage> images;  ///< by ascending image id
+  std::string directory;            ///< where it was found
 };
 
-/// Camera models SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, OPENCV_FISHEYE; throws
-/// std::runtime_error with file, line and reason on others and on malformed lines.
+/// Reads a binary or text model from `directory`, from `sparse` in it, or from the only numbered folder (`sparse/0`).
+/// The poses of frames.* (COLMAP 3.12) count where it is there. Every camera model of COLMAP 3 is known; FOV becomes a
+/// rational polynomial that follows it to a tenth of a pixel, and THIN_PRISM_FISHEYE must be without its tangential and
+/// prism coefficients. Throws std::runtime_error with file, line, reason and remedy.
 ColmapModel readColmapModel(const std::string& directory);
 void writeColmapModel(const std::string& directory, const ColmapModel& model);
 

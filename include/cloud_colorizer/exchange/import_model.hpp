@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Fills a recording from files: a cloud, a folder of images and a COLMAP text model.
+/// Fills a recording from files: a cloud, a folder of images and a COLMAP model.
 #pragma once
 
 #include <string>
@@ -14,13 +14,13 @@ namespace cloud_colorizer {
 struct ModelFiles {
   std::string cloud;   ///< .ply or .pcd
   std::string images;  ///< folder
-  std::string model;   ///< folder with cameras.txt and images.txt
+  std::string model;   ///< folder of a COLMAP model, see readColmapModel()
 };
 
 /// Makes the recording in `directory`, which must not hold one already. `voxel_size` thins as usual; ranges do not
 /// apply, since nobody knows where the points were measured from. A `tile_size` of 0 is chosen from the extent of the
-/// cloud. Throws std::runtime_error: missing files or folders, an image of another size than its camera's, an empty
-/// cloud.
+/// cloud. Images that are larger or smaller than their camera by one factor get scaled intrinsics. Throws
+/// std::runtime_error: missing files or folders, an image of another shape than its camera's, an empty cloud.
 Recording importModel(const ModelFiles& files, const std::string& directory, const RecordParams& params,
                       const Callbacks& callbacks);
 

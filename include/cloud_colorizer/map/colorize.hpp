@@ -22,6 +22,9 @@ struct ColorizeSummary {
   std::size_t num_points = 0, num_colored = 0;
   std::array<std::size_t, 6> by_reason{};  ///< number of points, by Unseen
   std::size_t num_damaged_views = 0;       ///< left out, since their images cannot be used
+  /// Root mean square difference of the views of a point from its colour, over that of the points from their mean; 0
+  /// where too few points were seen twice. Near 1, the views tell no more about a point than about any other.
+  double disagreement = 0;
   double seconds = 0;
   std::string describe() const;  ///< one line for the log
 };
@@ -44,7 +47,8 @@ std::vector<Field> coloredFields(const Recording& recording, const Params& param
 void forEachColoredTile(const Recording& recording, const Params& params, bool relative,
                         const std::function<void(const Cloud&)>& visit);
 
-/// Writes the coloured map; returns the number of points written.
+/// Writes the coloured map; returns the number of points written. A PCD of points far from 0 is relative to the
+/// recording's origin, which originFile() beside it tells.
 std::size_t saveColored(const Recording& recording, const Params& params, const std::string& path,
                         const Callbacks& callbacks);
 

@@ -4,9 +4,11 @@
 /// Bags as a source of messages, and the rig: which topic is the cloud and which are the cameras.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cloud_colorizer/base/types.hpp"
@@ -21,9 +23,12 @@ struct RigCamera {
 };
 
 struct Rig {
-  std::string map_frame;  ///< empty: as the parameter says
-  std::string cloud;
+  std::string map_frame;   ///< empty: as the parameter says
+  std::string cloud;       ///< sensor_msgs/PointCloud2 or livox_ros_driver(2)/CustomMsg
+  std::string odometry;    ///< nav_msgs/Odometry or geometry_msgs/PoseStamped that stands in for tf; empty: none
+  std::string base_frame;  ///< whose pose it gives; empty: as its messages say
   std::vector<RigCamera> cameras;
+  std::vector<std::pair<std::string, std::string>> left_out;  ///< image topics that are not taken, and why
 };
 
 /// Topic -> type, e.g. "/points" -> "sensor_msgs/PointCloud2".
@@ -33,10 +38,14 @@ using TopicTypes = std::map<std::string, std::string>;
 /// the image. Throws std::runtime_error: unreadable, unknown key, a topic that is not in the bag or has another type.
 Rig readRig(const std::string& file, const TopicTypes& topics);
 
+/// Encoding of the first image of a topic, or the format of the first compressed one; empty: unknown.
+using FormatOf = std::function<std::string(const std::string& topic)>;
+
 /// The rig of a bag with one cloud topic and any number of image topics with a camera_info in the same namespace.
-/// Of a raw and a compressed topic with the same image, the raw one is taken. Throws std::runtime_error, with the
-/// topics and an example of a rig file, when there is more than one way to read the bag, or none.
-Rig guessRig(const TopicTypes& topics);
+/// Depth, infrared and thermal images, masks, and grey cameras beside coloured ones are left out, by their format and
+/// name; of several topics with one camera_info, the first is taken. Throws std::runtime_error, with the topics and an
+/// example of a rig file, when there is more than one way to read the bag, or none.
+Rig guessRig(const TopicTypes& topics, const FormatOf& format_of = {});
 
 std::string exampleRig();
 std::string describeRig(const Rig& rig);  ///< one line a topic
@@ -49,9 +58,14 @@ class BagSource {
 
   const TopicTypes& topics() const;
   double duration() const;  ///< s
+  /// As FormatOf.
+  std::string formatOf(const std::string& topic) const;
+  /// Takes the bag's only odometry topic where tf does not move the frame that it tells of.
+  void addOdometry(Rig& rig) const;
 
-  /// Gives all messages to the collector in the order of the bag: all static transforms first, the others `tf_lead`
-  /// seconds ahead (not across a step back in time). Calls collector.finish() at the end. Throws Cancelled.
+  /// Gives all messages to the collector in the order of the bag: all static transforms and the first camera_info of
+  /// each camera first, the other transforms `tf_lead` seconds ahead (not across a step back in time). Calls
+  /// collector.finish() at the end. Throws Cancelled.
   void play(const Rig& rig, double tf_lead, Collector& collector, const Callbacks& callbacks);
 
  private:

@@ -15,6 +15,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -35,8 +36,10 @@ struct CameraParams {
 
 struct CollectorParams {
   std::string map_frame = "map";
-  std::string sensor_frame;  ///< frame from which ranges are measured; empty: the cloud's own
-  double tf_wait = 2;        ///< s of message time that a message waits for its transform
+  std::string sensor_frame;      ///< frame from which ranges are measured; empty: the cloud's own
+  double tf_wait = 2;            ///< s of message time that a message waits for its transform
+  double tf_max_gap = 0.5;       ///< s between two transforms of a frame that may be interpolated; 0: any
+  double cloud_time_offset = 0;  ///< s, added to the stamps of the clouds
   /// ppm, png or jpg, of raw images. ppm is the default because OpenCV 4.6 needs about 200 ms for a 1 Mpixel PNG (1.6
   /// ms for a PPM, 11 ms for a JPEG), and 20 such images may come in a second.
   std::string raw_image_format = "ppm";
@@ -68,8 +71,20 @@ enum class Outcome {
 };
 const char* toString(Outcome outcome);
 
+/// Of the stamps of a topic [s]; first > last: there are none.
+struct StampRange {
+  double first = 1, last = 0;
+
+  bool empty() const { return first > last; }
+  void extend(double stamp) {
+    first = empty() ? stamp : std::min(first, stamp);
+    last = std::max(last, stamp);
+  }
+};
+
 struct StreamStats {
   std::size_t received = 0;
+  StampRange stamps;
   std::array<std::size_t, static_cast<std::size_t>(Outcome::kNumOutcomes)> outcomes{};
   std::string last_error;
 
@@ -83,8 +98,12 @@ struct CollectorStats {
   std::size_t time_jumps = 0;
   std::size_t bad_transforms = 0;  ///< with a stamp that is out of range
   std::string last_tf_error;
+  StampRange tf_stamps;
 
   std::string describe() const;  ///< one line a topic: "camera_0: 154 received, 120 kept, 34 not a keyframe"
+  /// Why no point or no view was recorded, and what to do: what became of most messages, and its last reason.
+  std::string whyNoPoints() const;
+  std::string whyNoViews() const;
 };
 
 /// Bytes of an image file that are shared with whoever needs them.

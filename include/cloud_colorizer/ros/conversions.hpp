@@ -31,26 +31,41 @@ void appendToMessage(const Cloud& cloud, sensor_msgs::PointCloud2& message);
 /// The intrinsics of the images that belong to a camera_info, with region of interest and binning applied.
 struct CameraFromInfo {
   Intrinsics intrinsics;
-  std::string warning;  ///< what had to be assumed; empty when nothing
+  Eigen::Vector3d baseline{0, 0, 0};  ///< m, where P places a rectified camera in the frame of its camera_info
+  std::string warning;                ///< what had to be assumed; empty when nothing
 };
 /// `rectified`: the images are rectified, so P counts and there is no distortion. Throws: K[0] = 0 (uncalibrated), no
 /// size, unknown model, coefficients that the model does not have.
 CameraFromInfo cameraFromMessage(const sensor_msgs::CameraInfo& message, bool rectified);
 
 struct EncodedInfo {
-  cv::Size size;          ///< px
-  std::string extension;  ///< "jpg" or "png"
+  cv::Size size;           ///< px
+  std::string extension;   ///< "jpg" or "png"
+  int channels = 3;        ///< 1: grey
+  bool is_mosaic = false;  ///< one channel of a Bayer pattern, as the message's format says
 };
-/// Looks at the headers and at the end of a JPEG or PNG (not at the pixels). Throws: another format, truncated.
+/// Looks at the headers and at the end of a JPEG or PNG (not at the pixels). Throws: another format, truncated, or what
+/// is no image of colours (depths).
 EncodedInfo inspectCompressed(const sensor_msgs::CompressedImage& message);
 
 /// Throws when the encoding is unknown or the data is shorter than height * step. Costs nothing.
 void checkImage(const sensor_msgs::Image& message);
 
 /// CV_8UC1, CV_16UC1 or CV_8UC3 (BGR). May share the message's data. The colours that cv_bridge knows (mono, rgb, rgba,
-/// bgr, bgra, bayer_* of 8 or 16 bits, yuv422), 8UC1, 8UC3, 8UC4, 16UC1, 16UC3, 16UC4 in OpenCV's order, and what newer
+/// bgr, bgra, bayer_* of 8 or 16 bits, yuv422), 8UC1, 8UC3, 8UC4, 16UC3, 16UC4 in OpenCV's order, and what newer
 /// drivers send: uyvy, yuv422_yuy2 (yuyv), nv12, nv21, nv24 (planes one after another, each row of `step` bytes).
 cv::Mat imageFromMessage(const sensor_msgs::Image& message);
+
+/// Decodes, and makes colours of a Bayer mosaic. Throws as inspectCompressed does.
+cv::Mat imageFromMessage(const sensor_msgs::CompressedImage& message);
+
+/// Encoding of the pixels that an image_transport compressed, "bayer_rggb8" of "bayer_rggb8; jpeg compressed "; empty
+/// where the format does not say it.
+std::string encodingOfFormat(const std::string& format);
+/// Whether the numbers of an encoding are depths or other values: 16UC1, 32FC1 and the like. A grey camera of 16 bits
+/// is mono16.
+bool isOfValues(const std::string& encoding);
+bool isGrey(const std::string& encoding);  ///< mono8, mono16, 8UC1
 
 /// `format`: ppm (stored as it is; grey becomes pgm), png (compressed as fast as possible), both without loss; or jpg
 /// (quality 95; 16-bit images become png).

@@ -6,8 +6,10 @@
 #include <cctype>
 #include <cerrno>
 #include <clocale>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <iomanip>
 #include <locale>
@@ -54,6 +56,12 @@ bool parseDouble(const char*& text, double& value) {
   char* end = nullptr;
   value = strtod_l(text, &end, plainLocale());
   if (end == text) return false;
+  if (*end == '#') {  // Microsoft's -1.#IND, 1.#QNAN, 1.#INF
+    const bool is_infinite = std::strncmp(end, "#INF", 4) == 0;
+    if (!is_infinite && std::strncmp(end, "#IND", 4) != 0 && std::strncmp(end, "#QNAN", 5) != 0) return false;
+    value = is_infinite ? std::copysign(HUGE_VAL, value) : std::nan("");
+    while (*end != '\0' && std::isspace(static_cast<unsigned char>(*end)) == 0) ++end;
+  }
   text = end;
   return true;
 }

@@ -35,7 +35,7 @@ bool BlockReader::readLine(std::string& line) {
     any = true;
     const char* first = block_.data() + next_;
     const auto available = block_.size() - next_;
-    const auto* end = static_cast<const char*>(std::memchr(first, '\n', available));
+    const auto* end = static_cast<const char*>(std::memchr(first, line_end_, available));
     found = end != nullptr;
     const auto length = found ? static_cast<std::size_t>(end - first) : available;
     line.append(first, length);
@@ -44,6 +44,16 @@ bool BlockReader::readLine(std::string& line) {
   }
   if (!line.empty() && line.back() == '\r') line.pop_back();
   return any;
+}
+
+void BlockReader::startText() {
+  static const std::string kMark = "\xEF\xBB\xBF";
+  if (block_.empty()) fill();
+  if (std::string(block_.data(), std::min(kMark.size(), block_.size())) == kMark) next_ = kMark.size();
+  const auto end = std::find_if(block_.begin(), block_.end(), [](char c) { return c == '\n' || c == '\r'; });
+  const bool is_alone =
+      end != block_.end() && *end == '\r' && std::next(end) != block_.end() && *std::next(end) != '\n';
+  if (is_alone) line_end_ = '\r';
 }
 
 void BlockReader::checkRemaining(std::uint64_t size) const {

@@ -19,8 +19,12 @@ class BlockReader {
   const std::string& path() const { return file_.path(); }
   std::uint64_t remaining() const { return size_ - position(); }  ///< bytes to the end of the file
 
-  /// Without its end (\n or \r\n); false at the end of the file. Throws std::runtime_error beyond 1 MiB.
+  /// Without its end (\n or \r\n, or \r alone where startText() found it); false at the end of the file. Throws
+  /// std::runtime_error beyond 1 MiB.
   bool readLine(std::string& line);
+  /// At the start of a file: passes over a byte order mark, and finds out whether its lines end with \r alone, as those
+  /// of old Macs do.
+  void startText();
   /// Throw std::runtime_error, and move nothing, when fewer bytes are left.
   void read(void* bytes, std::size_t size);
   void skip(std::uint64_t size);
@@ -36,6 +40,7 @@ class BlockReader {
   std::vector<char> block_;
   std::uint64_t block_start_ = 0;
   std::size_t next_ = 0;  ///< in the block
+  char line_end_ = '\n';
 };
 
 }  // namespace cloud_colorizer

@@ -17,6 +17,8 @@ namespace {
 
 constexpr std::size_t kMaxValues = 1'000'000;  ///< of a point
 
+const char* const kComma = "it has a comma; decimals are written with a point, and numbers apart with a space";
+
 /// f(T{}) with the type that a number has in the bytes.
 template <class F>
 void withStoredType(FieldType type, Wide wide, F&& f) {
@@ -44,6 +46,7 @@ bool storeNumber(double number, FieldType type, std::uint8_t* target) {
   return withType(type, [&](auto value) {
     using T = decltype(value);
     if constexpr (std::numeric_limits<T>::is_integer) {
+      if (std::isnan(number)) number = 0;  // as writers do that know one kind of no value
       if (!(number >= static_cast<double>(std::numeric_limits<T>::min()) &&
             number <= static_cast<double>(std::numeric_limits<T>::max()) && number == std::floor(number))) {
         return false;
@@ -98,6 +101,7 @@ CloudLayout CloudLayout::ofFile(const CloudHeader& header, const std::string& pa
   for (auto& [field, wide, offset] : fields) {
     if (header.encoding == Encoding::kAscii) wide = Wide::kNo;  // the line is read as float64
     offset = stride;
+    if (field.name.size() == 1 && field.name[0] >= 'X' && field.name[0] <= 'Z') field.name[0] += 'x' - 'X';
     stride += sizeOf(field.type) * field.count;
   }
   try {
@@ -140,12 +144,15 @@ void CloudLayout::decode(const std::uint8_t* raw, std::size_t num_points, Cloud&
 std::string CloudLayout::parseLine(const char* line, std::uint8_t* raw) const {
   for (const auto& scalar : scalars_) {
     double number = 0;
-    if (!parseDouble(line, number)) return "it needs " + std::to_string(scalars_.size()) + " numbers";
+    if (!parseDouble(line, number)) {
+      return *line == ',' ? kComma : "it needs " + std::to_string(scalars_.size()) + " numbers";
+    }
     if (!storeNumber(number, scalar.type, raw + scalar.offset)) {
       return "the value " + formatDouble(number) + " does not fit its field";
     }
   }
   while (*line == ' ' || *line == '\t') ++line;
+  if (*line == ',') return kComma;
   return *line == '\0' ? "" : "it has more than " + std::to_string(scalars_.size()) + " numbers";
 }
 

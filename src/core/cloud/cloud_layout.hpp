@@ -5,6 +5,7 @@
 /// made once a file or message.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -27,8 +28,17 @@ struct PlacedField {
 
 enum class Encoding { kAscii, kBinary, kBinaryBigEndian, kCompressed };
 
+/// A list in every point, of any length, that is passed over.
+struct SkippedList {
+  std::size_t before = 0;  ///< index of the field that follows it
+  FieldType length_type = FieldType::kUint8, item_type = FieldType::kFloat32;
+  std::size_t item_size = 0;  ///< bytes
+};
+
 struct CloudHeader {
   std::vector<PlacedField> fields;  ///< their offsets do not count: one follows the other
+  std::vector<SkippedList> lists;
+  Eigen::Isometry3d map_from_points = Eigen::Isometry3d::Identity();  ///< VIEWPOINT of a PCD
   std::uint64_t num_points = 0;
   Encoding encoding = Encoding::kBinary;
 };

@@ -3,6 +3,7 @@
 #include <pcl/io/lzf.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "base/text.hpp"
 #include "cloud/pcd.hpp"
@@ -14,11 +15,27 @@ namespace cloud_colorizer {
 
 namespace {
 
+Eigen::Vector3d readOrigin(const std::string& path) {
+  if (!std::filesystem::exists(path)) return Eigen::Vector3d::Zero();
+  BlockReader input(path);
+  std::string line;
+  input.readLine(line);
+  const auto words = splitWords(line);
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  bool is_good = words.size() == 3;
+  for (std::size_t i = 0; i < 3 && is_good; ++i) is_good = parseDouble(words[i], origin[static_cast<int>(i)]);
+  require(is_good && origin.allFinite(), path, ": this is no origin `x y z` of the cloud beside it");
+  return origin;
+}
+
 CloudHeader readHeader(BlockReader& input) {
   const auto extension = lowerExtension(input.path());
   require(extension == ".ply" || extension == ".pcd", "cannot read ", input.path(),
           ": its extension must be .ply or .pcd");
-  return extension == ".ply" ? readPlyHeader(input) : readPcdHeader(input);
+  if (extension == ".ply") return readPlyHeader(input);
+  CloudHeader header = readPcdHeader(input);
+  header.map_from_points.pretranslate(readOrigin(originFile(input.path())));
+  return header;
 }
 
 /// All columns of a binary_compressed PCD.
@@ -37,11 +54,16 @@ std::vector<std::uint8_t> readCompressed(BlockReader& input, std::uint64_t expec
   std::vector<std::uint8_t> packed(sizes[0]), columns(sizes[1]);
   input.read(packed.data(), packed.size());
   const auto size = packed.empty() ? 0 : pcl::lzfDecompress(packed.data(), sizes[0], columns.data(), sizes[1]);
+  if (size != sizes[1] && sizes[0] == sizes[1]) return packed;  // what does not shrink is stored as it is
   require(size == sizes[1], input.path(), " is damaged: its points cannot be decompressed");
   return columns;
 }
 
 }  // namespace
+
+std::string originFile(const std::string& pcd) {
+  return std::filesystem::path(pcd).replace_extension(".origin.txt").string();
+}
 
 struct CloudReader::Impl {
   BlockReader input;
@@ -75,9 +97,48 @@ struct CloudReader::Impl {
         require(input.readLine(line), input.path(), " is truncated: it ends after ", num_read + i, " of ",
                 header.num_points, " points");
       } while (line.find_first_not_of(" \t") == std::string::npos);
+      if (!header.lists.empty()) line = withoutLists(line);
       const auto error = layout.parseLine(line.c_str(), raw.data() + i * layout.stride());
       require(error.empty(), input.path(), ": the line of point ", num_read + i, " (`", line.substr(0, 80),
               "`): ", error);
+    }
+  }
+
+  /// The words of a line that are not in a list.
+  std::string withoutLists(const std::string& line) const {
+    const auto words = splitWords(line);
+    std::string kept;
+    std::size_t at = 0;
+    auto list = header.lists.begin();
+    for (std::size_t field = 0; field <= header.fields.size(); ++field) {
+      for (; list != header.lists.end() && list->before == field; ++list) {
+        long long length = 0;
+        if (at < words.size()) parseInteger(words[at], length);
+        at += 1 + static_cast<std::size_t>(std::clamp(length, 0LL, 1LL << 30U));
+      }
+      if (field < header.fields.size() && at < words.size()) kept += words[at++] + ' ';
+    }
+    for (; at < words.size(); ++at) kept += words[at] + ' ';
+    return kept;
+  }
+
+  /// Points with lists between their fields lie one after the other at no fixed distance.
+  void readBetweenLists(std::size_t num_points) {
+    for (std::size_t i = 0; i < num_points; ++i) {
+      std::uint8_t* target = raw.data() + i * layout.stride();
+      auto list = header.lists.begin();
+      for (std::size_t field = 0; field <= header.fields.size(); ++field) {
+        for (; list != header.lists.end() && list->before == field; ++list) {
+          const std::uint64_t length = readListLength(input, list->length_type, header.encoding);
+          require(length <= input.remaining() / list->item_size, input.path(), " is truncated or damaged: a list of ",
+                  length, " items begins shortly before its end");
+          input.skip(length * list->item_size);
+        }
+        if (field == header.fields.size()) break;
+        const auto size = sizeOf(header.fields[field].field.type) * header.fields[field].field.count;
+        input.read(target, size);
+        target += size;
+      }
     }
   }
 
@@ -87,6 +148,8 @@ struct CloudReader::Impl {
       readLines(num_points);
     } else if (header.encoding == Encoding::kCompressed) {
       layout.gather(columns.data(), header.num_points, num_read, num_points, raw.data());
+    } else if (!header.lists.empty()) {
+      readBetweenLists(num_points);
     } else {
       input.read(raw.data(), raw.size());
     }
@@ -116,6 +179,8 @@ Cloud CloudReader::read(std::size_t max_points) {
     impl.layout.decode(impl.raw.data(), count, cloud, first);
     impl.num_read += count;
   }
+  const Eigen::Isometry3d& map_from_points = impl.header.map_from_points;
+  if (!map_from_points.matrix().isIdentity(0)) cloud.positions = map_from_points * cloud.positions;
   return cloud;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud/pcd.hpp"
 
+#include <cmath>
 #include <map>
 
 #include "base/text.hpp"
@@ -56,6 +57,7 @@ std::uint64_t pcdNumber(const Entries& entries, const std::string& key, const st
 Entries readEntries(BlockReader& input) {
   Entries entries;
   std::string line;
+  input.startText();
   while (entries.count("DATA") == 0) {
     require(input.readLine(line), input.path(), " is no PCD file, or truncated: its header has no DATA line");
     auto words = splitWords(line);
@@ -66,6 +68,21 @@ Entries readEntries(BlockReader& input) {
     entries[key] = std::move(words);
   }
   return entries;
+}
+
+/// VIEWPOINT tx ty tz qw qx qy qz: the pose of the scanner, in whose frame the points are.
+Eigen::Isometry3d pcdViewpoint(const std::vector<std::string>& words, const std::string& path) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  if (words.empty()) return pose;
+  double v[7] = {};
+  bool is_good = words.size() == 7;
+  for (std::size_t i = 0; i < 7 && is_good; ++i) is_good = parseDouble(words[i], v[i]) && std::isfinite(v[i]);
+  const Eigen::Quaterniond rotation(v[3], v[4], v[5], v[6]);
+  require(is_good && std::abs(rotation.norm() - 1) < 0.01, path,
+          ": VIEWPOINT in its header must be tx ty tz qw qx qy qz, with a quaternion of norm 1");
+  if (v[3] != 1) pose.linear() = rotation.normalized().toRotationMatrix();
+  pose.translation() = Eigen::Vector3d(v[0], v[1], v[2]);
+  return pose;
 }
 
 }  // namespace
@@ -87,14 +104,19 @@ CloudHeader readPcdHeader(BlockReader& input) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     header.fields.push_back(pcdField(names[i], types[i], sizes[i], counts[i], path));
   }
-  const auto width = pcdNumber(entries, "WIDTH", path), height = pcdNumber(entries, "HEIGHT", path);
+  // Versions before 0.7 have no HEIGHT, the first ones POINTS alone.
+  const char* const width_key = entries.count("WIDTH") > 0 ? "WIDTH" : "POINTS";
+  const auto width = pcdNumber(entries, width_key, path);
+  const auto height = entries.count("HEIGHT") > 0 ? pcdNumber(entries, "HEIGHT", path) : 1;
   require(width == 0 || height <= 0xFFFFFFFFFF / width, path, ": WIDTH ", width, " x HEIGHT ", height,
           " is more than any file holds");
   header.num_points = width * height;
   if (entries.count("POINTS") > 0) {
     const auto points = pcdNumber(entries, "POINTS", path);
-    require(points == header.num_points, path, ": POINTS ", points, " is not WIDTH ", width, " x HEIGHT ", height);
+    require(points == header.num_points, path, ": POINTS ", points, " is not WIDTH ", width, " x HEIGHT ", height,
+            "; correct the header by what the file holds");
   }
+  header.map_from_points = pcdViewpoint(list("VIEWPOINT"), path);
   const auto data = list("DATA");
   const auto encoding = data.empty() ? "" : data[0];
   require(encoding == "ascii" || encoding == "binary" || encoding == "binary_compressed", path, ": DATA ", encoding,

@@ -27,7 +27,12 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 };
 
+bool isWide(const std::string& name) {
+  return name == "int64" || name == "uint64" || name == "longlong" || name == "ulonglong";
+}
+
 FieldType plyType(const std::string& name, const std::string& where) {
+  if (isWide(name)) return FieldType::kFloat64;  // as it is read
   for (std::size_t i = 0; i < kTypeNames.size(); ++i) {
     const auto type = static_cast<FieldType>(i + 1);
     if (name == kTypeNames[i] || name == toString(type)) return type;
@@ -53,24 +58,19 @@ PlyProperty parseProperty(const std::vector<std::string>& words, const std::stri
   PlyProperty property;
   property.is_list = words.size() == 5 && words[1] == "list";
   require(property.is_list || words.size() == 3, where, ": a property is `property TYPE NAME`");
-  property.value.field = {words.back(), plyType(words[words.size() - 2], where), 1};
+  const std::string& type = words[words.size() - 2];
+  property.value.field = {words.back(), plyType(type, where), 1};
+  if (isWide(type)) property.value.wide = type[0] == 'u' ? Wide::kUint64 : Wide::kInt64;
   if (property.is_list) property.length_type = plyType(words[2], where);
   return property;
 }
 
-double readBinary(BlockReader& input, FieldType type, Encoding encoding) {
+double readPlyNumber(BlockReader& input, FieldType type, Encoding encoding) {
   std::array<std::uint8_t, 8> bytes{};
   const auto size = sizeOf(type);
   input.read(bytes.data(), size);
   if (encoding == Encoding::kBinaryBigEndian) std::reverse(bytes.begin(), bytes.begin() + static_cast<long>(size));
   return numberAt(bytes.data(), type);
-}
-
-std::uint64_t readListLength(BlockReader& input, FieldType type, Encoding encoding) {
-  require(type != FieldType::kFloat32 && type != FieldType::kFloat64, input.path(), ": a list's length is no integer");
-  const double length = readBinary(input, type, encoding);
-  require(length >= 0, input.path(), ": a list has the length ", length);
-  return static_cast<std::uint64_t>(length);
 }
 
 /// Moves behind an element that lies before the points.
@@ -130,6 +130,7 @@ std::vector<PlyElement> readElements(BlockReader& input, Encoding& encoding) {
   std::vector<PlyElement> elements;
   std::string line;
   bool has_format = false;
+  input.startText();
   require(input.readLine(line) && line == "ply", input.path(), " is no PLY file: it does not begin with `ply`");
   for (std::size_t number = 2;; ++number) {
     require(input.readLine(line), input.path(), " is truncated: its header has no end_header");
@@ -159,7 +160,7 @@ std::vector<double> readCorners(BlockReader& input, const PlyElement& element, E
   const char* text = line.c_str();
   const auto next = [&](FieldType type) {
     double number = 0;
-    if (!is_text) return readBinary(input, type, encoding);
+    if (!is_text) return readPlyNumber(input, type, encoding);
     require(parseDouble(text, number), input.path(), ": `", line.substr(0, 80), "` is no face");
     return number;
   };
@@ -176,6 +177,13 @@ std::vector<double> readCorners(BlockReader& input, const PlyElement& element, E
 
 }  // namespace
 
+std::uint64_t readListLength(BlockReader& input, FieldType type, Encoding encoding) {
+  require(type != FieldType::kFloat32 && type != FieldType::kFloat64, input.path(), ": a list's length is no integer");
+  const double length = readPlyNumber(input, type, encoding);
+  require(length >= 0, input.path(), ": a list has the length ", length);
+  return static_cast<std::uint64_t>(length);
+}
+
 CloudHeader readPlyHeader(BlockReader& input) {
   CloudHeader header;
   const std::vector<PlyElement> elements = readElements(input, header.encoding);
@@ -185,9 +193,12 @@ CloudHeader readPlyHeader(BlockReader& input) {
   for (auto element = elements.begin(); element != vertex; ++element) skipElement(input, *element, header.encoding);
   header.num_points = vertex->count;
   for (const auto& property : vertex->properties) {
-    require(!property.is_list, input.path(), ": the list property ", property.value.field.name,
-            " of the element vertex cannot be read; write the points without it");
-    header.fields.push_back(property.value);
+    if (property.is_list) {
+      const FieldType type = property.value.field.type;
+      header.lists.push_back({header.fields.size(), property.length_type, type, sizeOf(type)});
+    } else {
+      header.fields.push_back(property.value);
+    }
   }
   return header;
 }

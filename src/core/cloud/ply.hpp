@@ -16,6 +16,9 @@ namespace cloud_colorizer {
 /// Reads the header; the reader then stands at the first point. Throws std::runtime_error with file and reason.
 CloudHeader readPlyHeader(BlockReader& input);
 
+/// How many items of a list in a binary file follow; the reader stands at its length.
+std::uint64_t readListLength(BlockReader& input, FieldType type, Encoding encoding);
+
 /// The faces of a mesh, whose points CloudReader reads, as triangles: fans of those with more corners. None where the
 /// file has points only. Throws std::runtime_error with file and reason, also for an index that no point has.
 std::vector<Eigen::Vector3i> readPlyFaces(const std::string& path);

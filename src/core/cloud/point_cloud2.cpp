@@ -39,12 +39,18 @@ CloudLayout layoutOf(const PointBytes& bytes) {
   }
 }
 
-void checkSizes(const PointBytes& bytes) {
+/// Bytes from one row to the next. Some drivers leave row_step 0, or write all bytes of an organised cloud into it;
+/// with exactly the bytes that the points need there is only one way to read it.
+std::uint64_t rowStep(const PointBytes& bytes) {
   const auto& [fields, width, height, point_step, row_step, is_big_endian, data, size] = bytes;
-  require<Invalid>(height == 0 || row_step / point_step >= width, "cloud: row_step ", row_step, " is less than width ",
-                   width, " * point_step ", point_step);
-  require<Invalid>(height == 0 || size / height >= row_step, "cloud: data has ", size, " bytes, but height ", height,
-                   " * row_step ", row_step, " needs ", height * row_step);
+  const bool fits = height == 0 || (row_step / point_step >= width && size / height >= row_step);
+  if (fits) return row_step;
+  const std::uint64_t packed = width * point_step;
+  if (packed > 0 && size % packed == 0 && size / packed == height) return packed;
+  require<Invalid>(row_step / point_step >= width, "cloud: row_step ", row_step, " is less than width ", width,
+                   " * point_step ", point_step);
+  throw Invalid("cloud: data has " + std::to_string(size) + " bytes, but height " + std::to_string(height) +
+                " * row_step " + std::to_string(row_step) + " needs " + std::to_string(height * row_step));
 }
 
 }  // namespace
@@ -58,7 +64,7 @@ bool hostIsBigEndian() {
 
 Cloud cloudOf(const PointBytes& bytes) {
   const auto layout = layoutOf(bytes);
-  checkSizes(bytes);
+  const auto row_step = rowStep(bytes);
   const auto width = static_cast<std::size_t>(bytes.width);
   const auto height = width > 0 ? static_cast<std::size_t>(bytes.height) : 0;  // four billion empty rows take seconds
   Cloud cloud;
@@ -68,8 +74,8 @@ Cloud cloudOf(const PointBytes& bytes) {
   const auto block_points = layout.pointsPerBlock();
   for (std::size_t row = 0; row < height; ++row) {
     for (std::size_t first = 0; first < width; first += block_points) {
-      layout.decode(bytes.data + row * bytes.row_step + first * layout.stride(), std::min(block_points, width - first),
-                    cloud, row * width + first);
+      layout.decode(bytes.data + row * row_step + first * layout.stride(), std::min(block_points, width - first), cloud,
+                    row * width + first);
     }
   }
   return cloud;

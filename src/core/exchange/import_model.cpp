@@ -6,7 +6,10 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
+#include <tuple>
 #include <vector>
 
 #include "base/file_io.hpp"
@@ -23,21 +26,25 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kBlock = 1000000;  // points
+constexpr std::size_t kSamples = 2000;   // points that tell whether the poses can be right
 constexpr double kPointsPerTile = 6000;  // of a surface that fills the cloud's extent once
 
 struct Extent {
   Eigen::AlignedBox3d box;
-  std::size_t num_points = 0;  ///< finite ones
+  std::size_t num_points = 0;            ///< finite ones
+  std::vector<Eigen::Vector3d> samples;  ///< some of them, spread over the file
 };
 
 Extent measureCloud(const std::string& path, const Callbacks& callbacks) {
   CloudReader reader(path);
   ProgressMeter progress(callbacks, "measure cloud", reader.numPoints());
   Extent extent;
+  const std::size_t stride = std::max<std::size_t>(1, reader.numPoints() / kSamples);
   for (Cloud block = reader.read(kBlock); block.positions.cols() > 0; block = reader.read(kBlock)) {
     for (Eigen::Index i = 0; i < block.positions.cols(); ++i) {
       if (!block.positions.col(i).allFinite()) continue;
       extent.box.extend(block.positions.col(i));
+      if (extent.num_points % stride == 0) extent.samples.emplace_back(block.positions.col(i));
       ++extent.num_points;
     }
     progress.add(static_cast<std::size_t>(block.positions.cols()));
@@ -74,35 +81,122 @@ void importCloud(const std::string& path, const Extent& extent, Recorder& record
   }
 }
 
-/// Before anything is made of them. What cannot be decoded passes: the colouring leaves it out.
-void checkImages(const std::string& folder, const ColmapModel& model, const Callbacks& callbacks) {
+/// Of photos that are larger or smaller than the model says by the same factor on both sides.
+Intrinsics scaledTo(const Intrinsics& camera, cv::Size size) {
+  if (size == cv::Size(camera.width, camera.height)) return camera;  // to the bit
+  const double x = static_cast<double>(size.width) / camera.width, y = static_cast<double>(size.height) / camera.height;
+  Intrinsics scaled = camera;
+  scaled.width = size.width;
+  scaled.height = size.height;
+  scaled.fx *= x;
+  scaled.fy *= y;
+  scaled.cx = (camera.cx + 0.5) * x - 0.5;
+  scaled.cy = (camera.cy + 0.5) * y - 0.5;
+  return scaled;
+}
+
+/// But for the rounding of the shorter side.
+bool isScaled(const Intrinsics& camera, cv::Size size) {
+  const double x = static_cast<double>(size.width) / camera.width, y = static_cast<double>(size.height) / camera.height;
+  return std::abs(x - y) * std::min(camera.width, camera.height) <= 1;
+}
+
+/// How often the samples lie in an image, whatever hides them, with the rotations changed by `change`.
+template <class Change>
+std::size_t countSeen(const ColmapModel& model, const std::vector<Eigen::Vector3d>& samples, const Change& change) {
+  std::vector<Camera> cameras;
+  cameras.reserve(model.cameras.size());
+  for (const Intrinsics& intrinsics : model.cameras) cameras.emplace_back(intrinsics);
+  const std::size_t stride = std::max<std::size_t>(1, model.images.size() / 200);  // of a long drive, some images
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < model.images.size(); i += stride) {
+    const Eigen::Isometry3d camera_from_map = change(model.images[i].map_from_camera.inverse());
+    for (const Eigen::Vector3d& sample : samples) {
+      if (cameras[model.images[i].camera].project((camera_from_map * sample).cast<float>())) ++count;
+    }
+  }
+  return count;
+}
+
+/// Some converters write x y z w where COLMAP has w x y z, or the camera's pose in the map instead of its inverse. Then
+/// the images look past the cloud.
+void checkPoses(const ColmapModel& model, const Extent& extent, const Callbacks& callbacks) {
+  constexpr double kMuchMore = 1.3;
+  using Isometry = Eigen::Isometry3d;
+  const auto seen = static_cast<double>(countSeen(model, extent.samples, [](const Isometry& pose) { return pose; }));
+  const auto reordered = static_cast<double>(countSeen(model, extent.samples, [](const Isometry& pose) {
+    const Eigen::Quaterniond q(pose.linear());
+    Isometry result = pose;  // what was read as w x y z was x y z w
+    result.linear() = Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix();
+    return result;
+  }));
+  const auto inverted =
+      static_cast<double>(countSeen(model, extent.samples, [](const Isometry& pose) { return pose.inverse(); }));
+  if (!callbacks.log || seen * kMuchMore >= std::max(reordered, inverted)) {
+    if (callbacks.log && seen == 0) {
+      callbacks.log(LogLevel::kWarning,
+                    "no image looks at the cloud: do the model and the cloud belong together, in one "
+                    "frame and scale?");
+    }
+    return;
+  }
+  std::ostringstream text;
+  text << "the images would see " << std::max(reordered, inverted) / std::max(seen, 1.0)
+       << " times as much of the cloud if the poses in " << model.directory
+       << (reordered > inverted ? " were x y z w: COLMAP's quaternions are w x y z"
+                                : " were inverted: COLMAP's poses are camera from map")
+       << "; look at the program that wrote them";
+  callbacks.log(LogLevel::kWarning, text.str());
+}
+
+/// Before anything is made of them. What cannot be decoded passes, with the size of its camera: the colouring leaves it
+/// out. Returns the sizes.
+std::vector<cv::Size> checkImages(const std::string& folder, const ColmapModel& model, const Callbacks& callbacks) {
   for (const ColmapImage& image : model.images) {
     require(fs::is_regular_file(fs::path(folder) / image.name), "image ", image.name, " of the model is not in ",
             folder);
   }
+  std::vector<cv::Size> sizes(model.images.size());
   ProgressMeter progress(callbacks, "check images", model.images.size());
   parallelFor(0, model.images.size(), [&](std::size_t i) {
     const Intrinsics& camera = model.cameras[model.images[i].camera];
     const std::string& name = model.images[i].name;
-    const cv::Size size = imageSize((fs::path(folder) / name).string());
-    require(size.empty() || size == cv::Size(camera.width, camera.height), "image ", name, " in ", folder, " is ",
-            size.width, " x ", size.height, " px, but its camera in the model has ", camera.width, " x ", camera.height,
-            "; give the images that the model was made from, or a model that was scaled with them");
+    cv::Size size = imageSize((fs::path(folder) / name).string());
+    if (size.empty()) size = {camera.width, camera.height};
+    const bool is_turned = !isScaled(camera, size) && isScaled(camera, {size.height, size.width});
+    require(isScaled(camera, size), "image ", name, " in ", folder, " is ", size.width, " x ", size.height,
+            " px, but its camera in the model has ", camera.width, " x ", camera.height,
+            is_turned
+                ? "; it seems to be turned (the EXIF orientation is not applied): turn the images as the model has them"
+                : "; give the images that the model was made from, or a model that was scaled with them");
+    sizes[i] = size;
     progress.add(1);
   });
+  return sizes;
 }
 
-void importViews(const ModelFiles& files, const ColmapModel& model, Recorder& recorder, const Callbacks& callbacks) {
+void importViews(const ModelFiles& files, const ColmapModel& model, const std::vector<cv::Size>& sizes,
+                 Recorder& recorder, const Callbacks& callbacks) {
   ProgressMeter progress(callbacks, "import images", model.images.size());
-  std::vector<std::uint32_t> cameras;
-  for (std::size_t i = 0; i < model.cameras.size(); ++i) {
-    cameras.push_back(recorder.setCamera("camera_" + std::to_string(i), model.cameras[i]));
+  using Key = std::tuple<std::size_t, int, int>;  // camera, width, height
+  std::map<Key, std::uint32_t> ids;
+  for (std::size_t i = 0; i < model.images.size(); ++i) {
+    const Intrinsics& camera = model.cameras[model.images[i].camera];
+    const Key key = {model.images[i].camera, sizes[i].width, sizes[i].height};
+    if (ids.count(key) != 0) continue;
+    ids[key] = recorder.setCamera("camera_" + std::to_string(model.images[i].camera), scaledTo(camera, sizes[i]));
+    if (sizes[i] == cv::Size(camera.width, camera.height)) continue;
+    std::ostringstream text;
+    text << model.images[i].name << " is " << sizes[i].width << " x " << sizes[i].height << " px and its camera in the "
+         << "model " << camera.width << " x " << camera.height << ": its intrinsics are scaled, as for all such images";
+    if (callbacks.log) callbacks.log(LogLevel::kInfo, text.str());
   }
   for (std::size_t i = 0; i < model.images.size(); ++i) {
     const ColmapImage& image = model.images[i];
     // A model has no times; the order of the images stands for it.
-    recorder.addView(cameras[image.camera], static_cast<double>(i), image.map_from_camera,
-                     readFile((fs::path(files.images) / image.name).string()), lowerExtension(image.name).erase(0, 1));
+    recorder.addView(ids.at({image.camera, sizes[i].width, sizes[i].height}), static_cast<double>(i),
+                     image.map_from_camera, readFile((fs::path(files.images) / image.name).string()),
+                     lowerExtension(image.name).erase(0, 1));
     progress.add(1);
   }
 }
@@ -115,9 +209,11 @@ Recording importModel(const ModelFiles& files, const std::string& directory, con
   require(!fs::exists(directory + "/recording.yaml"), directory,
           " already holds a recording; colour it with `colorize`, or name another folder");
   const ColmapModel model = readColmapModel(files.model);
-  require(!model.images.empty(), files.model, "/images.txt lists no images");
-  checkImages(files.images, model, callbacks);
+  require(!model.images.empty(), "the model in ", model.directory, " has no images");
+  if (model.directory != files.model && callbacks.log) callbacks.log(LogLevel::kInfo, "model: " + model.directory);
+  const std::vector<cv::Size> sizes = checkImages(files.images, model, callbacks);
   const Extent extent = measureCloud(files.cloud, callbacks);
+  checkPoses(model, extent, callbacks);
   RecordParams adapted = params;
   adapted.min_range = 0;
   adapted.max_range = std::numeric_limits<double>::max();
@@ -125,7 +221,7 @@ Recording importModel(const ModelFiles& files, const std::string& directory, con
 
   Recorder recorder(directory, "map", adapted);
   importCloud(files.cloud, extent, recorder, callbacks);
-  importViews(files, model, recorder, callbacks);
+  importViews(files, model, sizes, recorder, callbacks);
   return recorder.snapshot();
 }
 

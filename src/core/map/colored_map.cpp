@@ -9,7 +9,9 @@
 #include <set>
 #include <sstream>
 
+#include "base/file_io.hpp"
 #include "base/progress.hpp"
+#include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "map/fingerprint.hpp"
@@ -203,17 +205,40 @@ void forEachColoredTile(const Recording& recording, const Params& params, bool r
   ColoredTiles(recording, params).visit(relative, visit);
 }
 
+namespace {
+
+/// PCL reads x, y and z as floats only, which keep no centimetres of UTM coordinates. So the points of a PCD are
+/// relative to the recording's origin, which stands beside it; CloudReader adds it again.
+void writeOrigin(const std::string& path, const Eigen::Vector3d& origin, const Callbacks& callbacks) {
+  const std::string file = originFile(path);
+  if (origin.isZero()) {
+    std::error_code ignored;
+    if (lowerExtension(path) == ".pcd") std::filesystem::remove(file, ignored);  // of an earlier map
+    return;
+  }
+  std::string text;
+  for (int axis = 0; axis < 3; ++axis) text += (axis > 0 ? " " : "") + formatDouble(origin[axis]);
+  const std::string line = text + '\n';
+  writeFileAtomically(file, line.data(), line.size());
+  if (callbacks.log) callbacks.log(LogLevel::kInfo, path + " is relative to " + text + ", as " + file + " says");
+}
+
+}  // namespace
+
 std::size_t saveColored(const Recording& recording, const Params& params, const std::string& path,
                         const Callbacks& callbacks) {
   CloudWriter::checkPath(path);
   ColoredTiles tiles(recording, params);
   const std::size_t num_points = tiles.numPoints();
-  CloudWriter writer(path, num_points, coloredFields(recording, params), !recording.origin().isZero());
+  const bool is_far = !recording.origin().isZero();
+  const bool is_relative = is_far && lowerExtension(path) == ".pcd";
+  CloudWriter writer(path, num_points, coloredFields(recording, params), is_far && !is_relative);
   ProgressMeter progress(callbacks, "save", num_points);
-  tiles.visit(false, [&](const Cloud& cloud) {
+  tiles.visit(is_relative, [&](const Cloud& cloud) {
     writer.write(cloud);
     progress.add(static_cast<std::size_t>(cloud.positions.cols()));
   });
+  writeOrigin(path, is_relative ? recording.origin() : Eigen::Vector3d::Zero().eval(), callbacks);
   writer.finish();
   return num_points;
 }
@@ -231,14 +256,50 @@ std::vector<Eigen::Isometry3d> usedPoses(const Recording& recording, const Param
   return poses;
 }
 
+namespace {
+
+/// How much the views of a point differ, compared to how much the points differ.
+class Disagreement {
+ public:
+  void add(const TileColors& colors) {
+    for (std::size_t i = 0; i < colors.count.size(); ++i) {
+      if (colors.count[i] < 2) continue;
+      const Eigen::Vector3d value = colors.values.col(static_cast<Eigen::Index>(i)).cast<double>();
+      ++count_;
+      sum_ += value;
+      sum_squares_ += value.squaredNorm();
+      sum_within_ += double{colors.stddev[i]} * colors.stddev[i];
+    }
+  }
+
+  double ratio() const {
+    constexpr std::size_t kEnough = 100;  // points
+    if (count_ < kEnough) return 0;
+    const double n = static_cast<double>(count_);
+    const double between = (sum_squares_ - sum_.squaredNorm() / n) / (3 * n);
+    return between > 0 ? std::sqrt(sum_within_ / n / between) : 0;
+  }
+
+ private:
+  std::size_t count_ = 0;
+  Eigen::Vector3d sum_{0, 0, 0};
+  double sum_squares_ = 0, sum_within_ = 0;
+};
+
+}  // namespace
+
 ColorizeSummary summarize(const Workspace& work) {
   ColorizeSummary summary;
+  Disagreement disagreement;
   for (std::size_t tile = 0; tile < work.recording().tiles().size(); ++tile) {
-    for (const Unseen reason : work.files().readColors(tile).unseen) {
+    const TileColors colors = work.files().readColors(tile);
+    for (const Unseen reason : colors.unseen) {
       ++summary.num_points;
       ++summary.by_reason[static_cast<std::size_t>(reason)];
     }
+    disagreement.add(colors);
   }
+  summary.disagreement = disagreement.ratio();
   summary.num_damaged_views = work.damagedViews().size();
   summary.num_colored = summary.by_reason[static_cast<std::size_t>(Unseen::kSeen)];
   return summary;

@@ -290,14 +290,15 @@ TEST(CloudReader, BadPlyFilesAreExplained) {
       {start + "property long x\n", "\"long\" is unknown"},
       {start + "nonsense\n", "is no PLY header line"},
       {start + "property float x\nproperty float y\nend_header\n1 2\n", "needs the fields x, y and z"},
-      {start + xyz + "property list uchar int l\nend_header\n", "list property l"},
       {start + xyz + "property float x\nend_header\n1 2 3 4\n", "must be there once"},
       {start + xyz + "property float a\nproperty float a\nend_header\n1 2 3 4 5\n", "there twice"},
       {start + xyz + "end_header\n1 2\n\n\n\n", "it needs 3 numbers"},
       {start + xyz + "end_header\n1 2 3 4\n", "more than 3 numbers"},
       {start + xyz + "end_header\n1 2 x\n", "it needs 3 numbers"},
       {start + xyz + "property uchar r\nend_header\n1 2 3 256\n", "256 does not fit"},
-      {start + xyz + "property uchar r\nend_header\n1 2 3 nan\n", "does not fit"},
+      {start + xyz + "property uchar r\nend_header\n1 2 3 1.5\n", "does not fit"},
+      {start + xyz + "end_header\n1,5 2,5 3,5\n", "it has a comma"},
+      {start + xyz + "end_header\n1.#X 2 3\n", "it needs 3 numbers"},
       {start + xyz + "end_header\n\n\n\n\n\n\n", "ends after 0 of 1"},
       {"ply\nformat ascii 1.0\nelement vertex 999999999999\n" + xyz + "end_header\n1 2 3\n", "is truncated"},
       {"ply\nformat binary_little_endian 1.0\nelement vertex 2\n" + xyz + "end_header\n" + std::string(23, 'x'),
@@ -312,6 +313,73 @@ TEST(CloudReader, BadPlyFilesAreExplained) {
   EXPECT_ERROR(readAll(scratch / "a.las"), "must be .ply or .pcd");
 }
 
+/// What programs write that are not quite by the book.
+TEST(CloudReader, DialectsOfPly) {
+  ScratchDirectory scratch;
+  const Eigen::Vector3d expected(1, 2, 3);
+  const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
+  const std::string head = "ply\nformat ascii 1.0\nelement vertex 1\n";
+  std::string macintosh = head + xyz + "end_header\n1 2 3\n";
+  std::replace(macintosh.begin(), macintosh.end(), '\n', '\r');
+  const std::vector<std::string> texts = {
+      "\xEF\xBB\xBF" + head + xyz + "end_header\n1 2 3\n",
+      macintosh,
+      head + "property float X\nproperty float Y\nproperty float Z\nend_header\n1 2 3\n",
+      head + xyz + "property int64 stamp\nend_header\n1 2 3 99\n",
+      head + xyz + "property float intensity\nend_header\n1 2 3 -1.#IND\n",
+      head + xyz + "property uchar red\nend_header\n1 2 3 nan\n",
+      head + "property list uchar int views\n" + xyz +
+          "property list uchar float weights\nend_header\n2 7 8 1 2 3 0\n"};
+  for (const std::string& text : texts) {
+    writeText(scratch / "a.ply", text);
+    const Cloud cloud = readAll(scratch / "a.ply");
+    ASSERT_EQ(cloud.positions.cols(), 1) << text;
+    EXPECT_EQ(cloud.positions.col(0), expected) << text;
+  }
+}
+
+TEST(CloudReader, ListsBetweenBinaryFieldsArePassedOver) {
+  ScratchDirectory scratch;
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 2\nproperty float x\nproperty list uchar int l\n"
+      "property float y\nproperty float z\nproperty int64 stamp\nend_header\n";
+  const auto add = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  for (int point = 0; point < 2; ++point) {
+    add(1.0F + static_cast<float>(point));
+    add(static_cast<std::uint8_t>(point));
+    for (int i = 0; i < point; ++i) add(77);
+    add(2.0F);
+    add(3.0F);
+    add(std::int64_t{10000000000} + point);
+  }
+  writeText(scratch / "a.ply", bytes);
+  const Cloud cloud = readAll(scratch / "a.ply");
+  ASSERT_EQ(cloud.positions.cols(), 2);
+  EXPECT_EQ(cloud.positions.col(1), Eigen::Vector3d(2, 2, 3));
+  double stamp = 0;
+  std::memcpy(&stamp, cloud.records.data() + sizeof(double), sizeof stamp);
+  EXPECT_EQ(stamp, 1e10 + 1);
+  bytes.resize(bytes.size() - 9);
+  writeText(scratch / "a.ply", bytes);
+  EXPECT_ERROR(readAll(scratch / "a.ply"), "truncated");
+}
+
+TEST(CloudReader, DialectsOfPcd) {
+  ScratchDirectory scratch;
+  const std::string fields = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n";
+  for (const std::string& text : {fields + "WIDTH 1\nDATA ascii\n1 2 3\n", fields + "POINTS 1\nDATA ascii\n1 2 3\n",
+                                  fields + "WIDTH 1\nHEIGHT 1\nVIEWPOINT 1 0 0 1 0 0 0\nDATA ascii\n0 2 3\n",
+                                  // a half turn about z
+                                  fields + "WIDTH 1\nHEIGHT 1\nVIEWPOINT 0 0 0 0 0 0 1\nDATA ascii\n-1 -2 3\n"}) {
+    writeText(scratch / "a.pcd", text);
+    EXPECT_LT((readAll(scratch / "a.pcd").positions - Eigen::Vector3d(1, 2, 3)).norm(), 1e-12) << text;
+  }
+  writeText(scratch / "a.origin.txt", "1000000 0 0\n");
+  EXPECT_EQ(readAll(scratch / "a.pcd").positions(0, 0), 1000001);
+  writeText(scratch / "a.origin.txt", "somewhere\n");
+  EXPECT_ERROR(readAll(scratch / "a.pcd"), "no origin");
+}
+
 TEST(CloudReader, BadPcdFilesAreExplained) {
   ScratchDirectory scratch;
   const std::string fields = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n";
@@ -323,7 +391,8 @@ TEST(CloudReader, BadPcdFilesAreExplained) {
       {"FIELDS x y z a\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 4000000000\nWIDTH 0\nHEIGHT 1\nDATA ascii\n",
        "a point of 4000000003 numbers is too large"},
       {fields + "WIDTH 1\nWIDTH 2\nHEIGHT 1\nDATA ascii\n", "there twice"},
-      {fields + "HEIGHT 1\nDATA ascii\n", "WIDTH"},
+      {fields + "HEIGHT 1\nDATA ascii\n", "POINTS in its header is missing"},
+      {fields + "WIDTH 1\nHEIGHT 1\nVIEWPOINT 0 0 0 0 0 0\nDATA ascii\n1 2 3\n", "VIEWPOINT"},
       {fields + "WIDTH 2\nHEIGHT 1\nPOINTS 3\nDATA ascii\n", "POINTS 3 is not WIDTH 2"},
       {fields + "WIDTH 1\nHEIGHT 1\nDATA zip\n", "DATA zip is unknown"},
       {fields + "WIDTH 1\nHEIGHT 1\nDATA ascii\n1 2\n", "is truncated"},

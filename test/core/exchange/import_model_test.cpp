@@ -72,14 +72,55 @@ TEST_F(ImportModel, HasAllPointsViewsAndPoses) {
   EXPECT_LT((box.max() - cloud_.positions.rowwise().maxCoeff()).norm(), 1e-3);
 }
 
-TEST_F(ImportModel, APhotoOfAnotherSizeIsToldBeforeTheWork) {
+TEST_F(ImportModel, PhotosOfAnotherScaleGetScaledIntrinsics) {
   writeImage("left/a.PNG", 32, 24);
+  const Recording recording = import();
+  ASSERT_EQ(recording.views().size(), 2U);
+  const Intrinsics& scaled = recording.cameras()[recording.views()[0].camera].intrinsics;
+  EXPECT_EQ(scaled.width, 32);
+  EXPECT_EQ(scaled.fx, 25);
+  EXPECT_EQ(scaled.cx, 15.5);  // of pixel centres: (31.5 + 0.5) / 2 - 0.5
+  EXPECT_EQ(recording.cameras()[recording.views()[1].camera].intrinsics.width, 64);
+}
+
+TEST_F(ImportModel, PosesThatCannotBeRightAreTold) {
+  std::string log;
+  Callbacks callbacks;
+  callbacks.log = [&](LogLevel, const std::string& text) { log += text + '\n'; };
+  RecordParams params;
+  params.voxel_size = 0;
+  importModel(files_, scratch_ / "right", params, callbacks);
+  EXPECT_EQ(log, "");
+  const std::string images = readText(files_.model + "/images.txt");
+  std::string reordered;
+  std::istringstream lines(images);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string id, w, rest;
+    if (words >> id >> w && id != "#" && std::getline(words, rest)) {
+      std::istringstream numbers(rest);
+      std::string x, y, z;
+      numbers >> x >> y >> z;
+      std::getline(numbers, rest);
+      line = id + ' ' + x + ' ' + y + ' ' + z + ' ' + w + rest;
+    }
+    reordered += line + '\n';
+  }
+  writeText(files_.model + "/images.txt", reordered);
+  importModel(files_, scratch_ / "wrong", params, callbacks);
+  EXPECT_NE(log.find("x y z w"), std::string::npos) << log;
+}
+
+TEST_F(ImportModel, APhotoOfAnotherShapeIsToldBeforeTheWork) {
+  writeImage("left/a.PNG", 32, 20);
   files_.cloud = scratch_ / "nowhere.ply";  // not looked at before the photos
   const std::string message = messageOf([&] { import(); });
-  for (const char* part : {"left/a.PNG", "32 x 24", "64 x 48", "scaled"}) {
+  for (const char* part : {"left/a.PNG", "32 x 20", "64 x 48", "scaled"}) {
     EXPECT_NE(message.find(part), std::string::npos) << message;
   }
   EXPECT_FALSE(std::filesystem::exists(scratch_ / "r"));
+  writeImage("left/a.PNG", 48, 64);
+  EXPECT_ERROR(import(), "turned");
 }
 
 TEST_F(ImportModel, APhotoThatIsMissingIsNamed) {

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// What the files of a COLMAP model say, text or binary, before anything is made of it.
+/// https://colmap.github.io/format.html
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace cloud_colorizer {
+
+struct ColmapEntries {
+  /// `where`: file, and line of a text file, for messages.
+  struct Camera {
+    long long id = 0, width = 0, height = 0;
+    std::string model;
+    std::vector<double> params;
+    std::string where;
+  };
+  struct Pose {
+    Eigen::Quaterniond rotation{1, 0, 0, 0};
+    Eigen::Vector3d translation{0, 0, 0};
+  };
+  struct Image {
+    long long id = 0, camera = 0;
+    Pose camera_from_map;
+    std::string name, where;
+  };
+  /// A sensor: its type ("CAMERA", "IMU") and id.
+  using Sensor = std::pair<std::string, long long>;
+  struct Rig {
+    long long id = 0;
+    std::map<Sensor, Pose> sensor_from_rig;  ///< of those whose pose is known; the reference sensor's is the identity
+  };
+  struct Frame {
+    long long rig = 0;
+    Pose rig_from_map;
+    std::vector<std::pair<Sensor, long long>> data;  ///< of a camera: an image id
+    std::string where;
+  };
+
+  std::vector<Camera> cameras;
+  std::vector<Image> images;
+  std::vector<Rig> rigs;      ///< since COLMAP 3.12; else empty
+  std::vector<Frame> frames;  ///< their poses count, not those of the images
+};
+
+/// cameras.txt, images.txt, and where they are there rigs.txt and frames.txt. Throws std::runtime_error with file, line
+/// and reason.
+ColmapEntries readColmapText(const std::string& directory);
+
+/// The same of .bin files.
+ColmapEntries readColmapBinary(const std::string& directory);
+
+}  // namespace cloud_colorizer

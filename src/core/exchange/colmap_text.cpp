@@ -1,0 +1,177 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// colmap_entries.hpp: the text files.
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "base/text.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "exchange/colmap_entries.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+long long parseId(const std::string& word, const std::string& where) {
+  long long id = 0;
+  require(parseInteger(word, id) && id >= 0, where, ": \"", word, "\" is no id or size");
+  return id;
+}
+
+double parseNumber(const std::string& word, const std::string& where) {
+  double number = 0;
+  require(parseDouble(word, number) && std::isfinite(number), where, ": \"", word, "\" is no number");
+  return number;
+}
+
+bool isNumber(const std::string& word) {
+  double number = 0;
+  return parseDouble(word, number);
+}
+
+/// The lines of a text file, with their numbers for messages.
+class LineFile {
+ public:
+  explicit LineFile(const std::string& path) : path_(path), stream_(path) {
+    require(stream_.is_open(), "cannot open ", path);
+  }
+  bool next(std::string& line) {
+    ++number_;
+    return static_cast<bool>(std::getline(stream_, line));
+  }
+  /// The next line that is neither empty nor a comment.
+  bool nextEntry(std::string& line) {
+    while (next(line)) {
+      if (isEntry(line)) return true;
+    }
+    return false;
+  }
+  static bool isEntry(const std::string& line) {
+    const auto first = line.find_first_not_of(" \t\r");
+    return first != std::string::npos && line[first] != '#';
+  }
+  std::string where() const { return path_ + " line " + std::to_string(number_); }
+
+ private:
+  std::string path_;
+  std::ifstream stream_;
+  std::size_t number_ = 0;
+};
+
+/// The words of a line, one after the other.
+class Words {
+ public:
+  Words(const std::string& line, std::string where, std::string form)
+      : words_(splitWords(line)), where_(std::move(where)), form_(std::move(form)) {}
+  const std::string& next() {
+    require(at_ < words_.size(), where_, ": the line ends too early; it is `", form_, "`");
+    return words_[at_++];
+  }
+  long long nextId() { return parseId(next(), where_); }
+  double nextNumber() { return parseNumber(next(), where_); }
+  ColmapEntries::Pose nextPose() {
+    double v[7];
+    for (double& value : v) value = nextNumber();
+    return {{v[0], v[1], v[2], v[3]}, {v[4], v[5], v[6]}};
+  }
+  ColmapEntries::Sensor nextSensor() {
+    const std::string type = next();
+    return {type, nextId()};
+  }
+  bool atEnd() const { return at_ == words_.size(); }
+  const std::string& where() const { return where_; }
+
+ private:
+  std::vector<std::string> words_;
+  std::string where_, form_;
+  std::size_t at_ = 0;
+};
+
+void readCameras(LineFile file, ColmapEntries& entries) {
+  for (std::string line; file.nextEntry(line);) {
+    Words words(line, file.where(), "CAMERA_ID MODEL WIDTH HEIGHT PARAMS...");
+    ColmapEntries::Camera camera;
+    camera.where = file.where();
+    camera.id = words.nextId();
+    camera.model = words.next();
+    camera.width = words.nextId();
+    camera.height = words.nextId();
+    while (!words.atEnd()) camera.params.push_back(words.nextNumber());
+    entries.cameras.push_back(camera);
+  }
+}
+
+/// The points of an image are triples of numbers, and its line ends in a name.
+bool isPoints(const std::string& line) {
+  const auto words = splitWords(line);
+  return words.size() % 3 == 0 && std::all_of(words.begin(), words.end(), isNumber);
+}
+
+void readImages(LineFile file, ColmapEntries& entries) {
+  std::string line;
+  bool has_line = file.nextEntry(line);
+  while (has_line) {
+    Words words(line, file.where(), "IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME");
+    ColmapEntries::Image image;
+    image.where = file.where();
+    image.id = words.nextId();
+    image.camera_from_map = words.nextPose();
+    image.camera = words.nextId();
+    image.name = words.next();
+    while (!words.atEnd()) image.name += ' ' + words.next();
+    entries.images.push_back(image);
+    // The points of the image follow, on a line that is often empty, and that some programs leave out.
+    has_line = file.next(line);
+    if (has_line && (!LineFile::isEntry(line) || isPoints(line))) has_line = file.nextEntry(line);
+  }
+}
+
+void readRigs(LineFile file, ColmapEntries& entries) {
+  for (std::string line; file.nextEntry(line);) {
+    Words words(line, file.where(), "RIG_ID NUM_SENSORS REF_SENSOR_TYPE REF_SENSOR_ID SENSORS...");
+    ColmapEntries::Rig rig;
+    rig.id = words.nextId();
+    const long long num_sensors = words.nextId();
+    for (long long i = 0; i < num_sensors; ++i) {
+      const ColmapEntries::Sensor sensor = words.nextSensor();
+      if (i == 0) {
+        rig.sensor_from_rig[sensor] = {};
+      } else if (words.nextId() != 0) {
+        rig.sensor_from_rig[sensor] = words.nextPose();
+      }
+    }
+    entries.rigs.push_back(rig);
+  }
+}
+
+void readFrames(LineFile file, ColmapEntries& entries) {
+  for (std::string line; file.nextEntry(line);) {
+    Words words(line, file.where(), "FRAME_ID RIG_ID QW QX QY QZ TX TY TZ NUM_DATA_IDS DATA_IDS...");
+    ColmapEntries::Frame frame;
+    frame.where = file.where();
+    (void)words.nextId();
+    frame.rig = words.nextId();
+    frame.rig_from_map = words.nextPose();
+    for (long long left = words.nextId(); left > 0; --left) {
+      const ColmapEntries::Sensor sensor = words.nextSensor();
+      frame.data.emplace_back(sensor, words.nextId());
+    }
+    entries.frames.push_back(frame);
+  }
+}
+
+}  // namespace
+
+ColmapEntries readColmapText(const std::string& directory) {
+  ColmapEntries entries;
+  readCameras(LineFile(directory + "/cameras.txt"), entries);
+  readImages(LineFile(directory + "/images.txt"), entries);
+  if (std::filesystem::exists(directory + "/rigs.txt")) readRigs(LineFile(directory + "/rigs.txt"), entries);
+  if (std::filesystem::exists(directory + "/frames.txt")) readFrames(LineFile(directory + "/frames.txt"), entries);
+  return entries;
+}
+
+}  // namespace cloud_colorizer
