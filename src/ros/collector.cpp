@@ -45,6 +45,7 @@ struct CameraState {
   sensor_msgs::CameraInfoConstPtr info;  ///< the newest
   std::optional<std::uint32_t> id;       ///< in the recording; set when the camera_info is good
   Intrinsics intrinsics;
+  int bits = 0;  ///< of images with 16 bits a channel; 0: none came yet
   Eigen::Vector3d baseline{0, 0, 0};                ///< m, of a rectified camera in the frame of its camera_info
   Refused info_error{Outcome::kBadCameraInfo, ""};  ///< why there is no id
   std::optional<Isometry> last_kept;
@@ -334,11 +335,36 @@ struct Collector::Impl {
       }
       const EncodedInfo info = inspectCompressed(*image.compressed);
       view.extension = info.extension;
-      view.is_mosaic = info.is_mosaic;
+      view.is_decoded = info.is_mosaic || info.depth == 16;
       return info.size;
     } catch (const Invalid& error) {
       throw Refused{Outcome::kUndecodable, error.what()};
     }
+  }
+
+  /// Cameras of 10, 12 and 14 bits come in 16, where nothing says how many are filled.
+  int bitsOfCamera(CameraState& camera, const ImageMessage& image) {
+    if (camera.params.bits != 0) return camera.params.bits;
+    cv::Mat pixels;
+    try {
+      pixels = image.raw ? imageFromMessage(*image.raw) : imageFromMessage(*image.compressed);
+    } catch (const Invalid& error) {
+      throw Refused{Outcome::kUndecodable, error.what()};
+    }
+    if (pixels.depth() != CV_16U) return 16;
+    const int bits = bitsOf(pixels);
+    if (bits <= camera.bits) return camera.bits;
+    if (events.log) {
+      const std::string param = camera.name + "/bits=" + std::to_string(bits);
+      if (camera.bits != 0) {
+        events.log(LogLevel::kWarning, camera.name + ": an image has more than the " + std::to_string(camera.bits) +
+                                           " bits of those before it, which are now too bright; record again with " + param);
+      } else {
+        events.log(LogLevel::kInfo, camera.name + ": of 16 bits a channel, the first image fills " + std::to_string(bits) +
+                                        ", which is taken as full scale; else set " + camera.name + "/bits");
+      }
+    }
+    return camera.bits = bits;
   }
 
   Outcome recordImage(CameraState& camera, const ImageMessage& image) {
@@ -365,6 +391,7 @@ struct Collector::Impl {
            << camera.intrinsics.width << " x " << camera.intrinsics.height;
       throw Refused{Outcome::kSizeMismatch, text.str()};
     }
+    if (image.raw ? isWide(*image.raw) : view.is_decoded) view.bits = bitsOfCamera(camera, image);
     camera.last_kept = view.map_from_camera;
     if (image.raw) {
       writer.add(std::move(view), image.raw, *recorder);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
@@ -91,7 +92,7 @@ EncodedInfo inspectJpeg(const std::vector<std::uint8_t>& data) {
       continue;
     }
     const bool is_frame = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
-    if (is_frame) return {sizeFromBytes(&data[at + 7], &data[at + 5], 2), "jpg", data[at + 9], false};
+    if (is_frame) return {sizeFromBytes(&data[at + 7], &data[at + 5], 2), "jpg", data[at + 9], 8, false};
     at += 2 + bigEndian(&data[at + 2], 2);
   }
   throw Invalid("the JPEG is damaged: it has no frame header");
@@ -103,7 +104,7 @@ EncodedInfo inspectPng(const std::vector<std::uint8_t>& data) {
   require<Invalid>(data.size() > 32 && std::search(tail, data.end(), kEnd, kEnd + 4) != data.end(),
                    "the PNG is truncated: no IEND chunk after ", data.size(), " bytes");
   const bool has_colors = (data[25] & 2U) != 0;
-  return {sizeFromBytes(&data[16], &data[20], 4), "png", has_colors ? 3 : 1, false};
+  return {sizeFromBytes(&data[16], &data[20], 4), "png", has_colors ? 3 : 1, data[24] == 16 ? 16 : 8, false};
 }
 
 /// Bare numbers are colours in OpenCV's order, and some drivers have names of their own.
@@ -269,6 +270,23 @@ cv::Mat imageFromMessage(const sensor_msgs::Image& message) {
 bool isGrey(const std::string& encoding) {
   const std::string name = namedEncoding(encoding);
   return name == enc::MONO8 || name == enc::MONO16;
+}
+
+bool isWide(const sensor_msgs::Image& message) {
+  return CV_MAT_DEPTH(pixelLayout(message).type) == CV_16U;
+}
+
+int bitsOf(const cv::Mat& image) {
+  double most = 0;
+  cv::minMaxIdx(image.reshape(1), nullptr, &most);
+  for (const int bits : {10, 12, 14}) {
+    if (most < std::ldexp(1, bits)) return bits;
+  }
+  return 16;
+}
+
+cv::Mat scaledTo16Bits(const cv::Mat& image, int bits) {
+  return image.depth() == CV_16U && bits < 16 ? cv::Mat(image * std::ldexp(1, 16 - bits)) : image;
 }
 
 cv::Mat imageFromMessage(const sensor_msgs::CompressedImage& message) {

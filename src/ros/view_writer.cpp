@@ -11,20 +11,26 @@ ViewWriter::ViewWriter(int num_threads, const std::string& raw_image_format, Kep
     : raw_image_format_(raw_image_format), kept_(std::move(kept)), pool_(num_threads) {}
 
 void ViewWriter::add(PendingView view, const sensor_msgs::ImageConstPtr& raw, Recorder& recorder) {
-  view.encoded = pool_.run([raw, format = raw_image_format_] { return encodeImage(imageFromMessage(*raw), format); });
+  view.encoded = encode(raw, view.bits);
   views_.push_back(std::move(view));
   writeReady(recorder);
 }
 
 void ViewWriter::add(PendingView view, const sensor_msgs::CompressedImageConstPtr& compressed, Recorder& recorder) {
-  if (view.is_mosaic) {
-    view.encoded = pool_.run(
-        [compressed, format = raw_image_format_] { return encodeImage(imageFromMessage(*compressed), format); });
+  if (view.is_decoded) {
+    view.encoded = encode(compressed, view.bits);
   } else {
     view.bytes = SharedBytes(&compressed->data, [keep = compressed](const void*) {});
   }
   views_.push_back(std::move(view));
   writeReady(recorder);
+}
+
+template <class MessagePtr>
+std::future<EncodedImage> ViewWriter::encode(const MessagePtr& message, int bits) {
+  return pool_.run([message, bits, format = raw_image_format_] {
+    return encodeImage(scaledTo16Bits(imageFromMessage(*message), bits), format);
+  });
 }
 
 void ViewWriter::write(std::size_t max_left, Recorder& recorder) {

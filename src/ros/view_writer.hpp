@@ -26,8 +26,9 @@ struct PendingView {
   Intrinsics intrinsics;
   SharedBytes bytes;  ///< of a compressed image, as received
   std::string extension;
-  bool is_mosaic = false;             ///< a compressed image that has to be made colours first
-  std::future<EncodedImage> encoded;  ///< of a raw image, or of a mosaic
+  bool is_decoded = false;            ///< a compressed image that is not kept as received: a mosaic, or scaled to 16 bits
+  int bits = 16;                      ///< of 16 bits a channel, those that are filled
+  std::future<EncodedImage> encoded;  ///< of a raw image, or of one that is decoded
 };
 
 class ViewWriter {
@@ -48,6 +49,8 @@ class ViewWriter {
  private:
   static constexpr std::size_t kMaxEncoding = 8;  // images in work
 
+  template <class MessagePtr>
+  std::future<EncodedImage> encode(const MessagePtr& message, int bits);
   /// Writes the views that are encoded, and waits where more than `max_left` would be left.
   void write(std::size_t max_left, Recorder& recorder);
 

@@ -277,6 +277,35 @@ TEST_F(CollectorTest, AnImageWithoutFrameHasThatOfItsInfo) {
   EXPECT_EQ(finished().views().size(), 1U);
 }
 
+TEST_F(CollectorTest, TwelveBitsInSixteenAreFullScale) {
+  drive(10, 14);
+  addInfo();
+  const auto wide = [](std::uint16_t value) {
+    return imageMessage("mono16", 8, 6, {static_cast<std::uint8_t>(value & 0xFF), static_cast<std::uint8_t>(value >> 8),
+                                         static_cast<std::uint8_t>(value & 0xFF), static_cast<std::uint8_t>(value >> 8)});
+  };
+  addImage(10.5, wide(2048));
+  addImage(11.5, wide(1024));  // no brighter for being darker
+  addImage(12.5, wide(8192));
+  const Recording recording = finished();
+  ASSERT_EQ(recording.views().size(), 3U);
+  EXPECT_NEAR(recording.readImage(0).at<cv::Vec3b>(3, 3)[0], 128, 1);
+  EXPECT_NEAR(recording.readImage(1).at<cv::Vec3b>(3, 3)[0], 64, 1);
+  EXPECT_NEAR(recording.readImage(2).at<cv::Vec3b>(3, 3)[0], 128, 1);
+  EXPECT_TRUE(logged("the first image fills 12"));
+  EXPECT_TRUE(logged("camera_0/bits=14"));
+}
+
+TEST_F(CollectorTest, CompressedImagesOfSixteenBitsAreScaledAsWell) {
+  params_.cameras[0].bits = 10;
+  drive(10, 12);
+  addInfo();
+  auto image = encoded(cv::Mat1w(6, 8, std::uint16_t{512}), "png");
+  image.format = "mono16; png compressed ";
+  addCompressed(10.5, image);
+  EXPECT_NEAR(finished().readImage(0).at<cv::Vec3b>(3, 3)[0], 128, 1);
+}
+
 TEST_F(CollectorTest, TheRightCameraOfAPairStandsBesideTheirCommonFrame) {
   params_.cameras.resize(2);
   params_.cameras[0].rectified = params_.cameras[1].rectified = true;

@@ -42,6 +42,7 @@ struct EncodedInfo {
   cv::Size size;           ///< px
   std::string extension;   ///< "jpg" or "png"
   int channels = 3;        ///< 1: grey
+  int depth = 8;           ///< bits a channel
   bool is_mosaic = false;  ///< one channel of a Bayer pattern, as the message's format says
 };
 /// Looks at the headers and at the end of a JPEG or PNG (not at the pixels). Throws: another format, truncated, or what
@@ -66,6 +67,12 @@ std::string encodingOfFormat(const std::string& format);
 /// is mono16.
 bool isOfValues(const std::string& encoding);
 bool isGrey(const std::string& encoding);  ///< mono8, mono16, 8UC1
+
+bool isWide(const sensor_msgs::Image& message);  ///< 16 bits a channel
+/// The least of 10, 12, 14 and 16 bits that hold the numbers of an image with 16 bits a channel.
+int bitsOf(const cv::Mat& image);
+/// Numbers of `bits` bits as 16; images of 8 bits as they are.
+cv::Mat scaledTo16Bits(const cv::Mat& image, int bits);
 
 /// `format`: ppm (stored as it is; grey becomes pgm), png (compressed as fast as possible), both without loss; or jpg
 /// (quality 95; 16-bit images become png).

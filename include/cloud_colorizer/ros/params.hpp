@@ -49,6 +49,7 @@ void visitCollectorParams(CollectorParamsT& p, F&& f) {
     f((prefix + "time_offset").c_str(), camera.time_offset, "s added to the image stamps");
     f((prefix + "mask").c_str(), camera.mask, "image file, black where the camera must not colour");
     f((prefix + "rectified").c_str(), camera.rectified, "true for rectified images: P is used, without distortion");
+    f((prefix + "bits").c_str(), camera.bits, "that the camera fills of 16 bits a channel; 0: as the first image tells");
   }
 }
 
