@@ -34,14 +34,22 @@ const OptionSpec kConfigOption = {
     "config", "FILE", "rig file: which topic is what; without it a bag that can be read in one way only is understood",
     false};
 
+const OptionSpec kPosesOption = {
+    "poses", "FILE", "poses of the vehicle in the map, instead of tf's: TUM (stamp x y z qx qy qz qw) or KITTI", false};
+
+const OptionSpec kPosesFrameOption = {"poses-frame", "FRAME",
+                                      "whose poses --poses gives; without it, those of the cloud's frame", false};
+
 void recordBags(const CommandLine& line, const std::vector<std::string>& bags, const std::string& directory,
                 CollectorEvents events, const Callbacks& callbacks) {
   BagSource source(bags);
   const auto format_of = [&](const std::string& topic) { return source.formatOf(topic); };
   Rig rig = line.has("config") ? readRig(line.option("config"), source.topics()) : guessRig(source.topics(), format_of);
-  source.addOdometry(rig);
-  callbacks.log(LogLevel::kInfo, describeRig(rig));
+  if (line.has("poses-frame")) rig.base_frame = line.option("poses-frame");
+  if (!line.has("poses")) source.addOdometry(rig);
   const CollectorParams params = collectorParams(line, rig);
+  if (line.has("poses")) source.addPoses(line.option("poses"), params.map_frame, rig);
+  callbacks.log(LogLevel::kInfo, describeRig(rig));
   Recorder recorder(directory, params.map_frame, params.record);
   events.log = callbacks.log;
   Collector collector(recorder, params, std::move(events));

@@ -21,6 +21,8 @@ CommandSpec commandSpec() {
   spec.max_positionals = 100000;
   spec.options = {{"output", "FILE", "the coloured map, .ply or .pcd", true},
                   kConfigOption,
+                  kPosesOption,
+                  kPosesFrameOption,
                   {"recording", "DIR", "keep the recording here; `colorize DIR` colours it again", false},
                   kWriteModelOption};
   spec.other_params = describeCollectorParams(CollectorParams());

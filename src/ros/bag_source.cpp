@@ -3,8 +3,6 @@
 
 #include "cloud_colorizer/ros/bag_source.hpp"
 
-#include <geometry_msgs/PoseStamped.h>
-#include <nav_msgs/Odometry.h>
 #include <rosbag/bag.h>
 #include <rosbag/exceptions.h>
 #include <rosbag/view.h>
@@ -19,7 +17,10 @@
 
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
+#include "ros/clock_watch.hpp"
 #include "ros/livox.hpp"
+#include "ros/moving_frame.hpp"
+#include "ros/transform_buffer.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -55,28 +56,6 @@ void checkBag(const std::string& path) {
   require(std::filesystem::is_regular_file(path), "there is no bag ", path);
 }
 
-/// The pose of an odometry message as a transform; empty frames where the message says none.
-tf2_msgs::TFMessage transformOf(const rosbag::MessageInstance& message, const std::string& base_frame) {
-  geometry_msgs::TransformStamped transform;
-  geometry_msgs::Pose pose;
-  transform.child_frame_id = base_frame;
-  if (const auto odometry = message.instantiate<nav_msgs::Odometry>()) {
-    transform.header = odometry->header;
-    pose = odometry->pose.pose;
-    if (base_frame.empty()) transform.child_frame_id = odometry->child_frame_id;
-  } else if (const auto stamped = message.instantiate<geometry_msgs::PoseStamped>()) {
-    transform.header = stamped->header;
-    pose = stamped->pose;
-  }
-  transform.transform.translation.x = pose.position.x;
-  transform.transform.translation.y = pose.position.y;
-  transform.transform.translation.z = pose.position.z;
-  transform.transform.rotation = pose.orientation;
-  tf2_msgs::TFMessage result;
-  result.transforms.push_back(transform);
-  return result;
-}
-
 }  // namespace
 
 struct BagSource::Impl {
@@ -109,54 +88,42 @@ struct BagSource::Impl {
 
 namespace {
 
-/// Tells of topics whose stamps are seconds away from those of tf by the times of receipt, as with PTP without UTC.
-class ClockWatch {
- public:
-  void add(const std::string& topic, ros::Time receipt, ros::Time stamp) {
-    std::vector<double>& delays = delays_[topic];
-    if (!stamp.isZero() && delays.size() < kMost) delays.push_back(receipt.toSec() - stamp.toSec());
-  }
-
-  void warn(const Callbacks& callbacks) const {
-    const auto tf = delays_.find(kTf.front());
-    if (tf == delays_.end() || tf->second.empty() || !callbacks.log) return;
-    for (const auto& [topic, delays] : delays_) {
-      if (delays.empty()) continue;
-      const double offset = median(delays) - median(tf->second);
-      if (std::abs(offset) < kNoticed) continue;
-      std::ostringstream text;
-      text.precision(4);
-      text << topic << ": its stamps are " << std::abs(offset) << " s " << (offset > 0 ? "behind" : "ahead of")
-           << " those of tf that were received at the same time";
-      if (std::abs(std::abs(offset) - 37) < 1) text << " (37 s lie between TAI, the time of PTP, and UTC)";
-      text << "; if its clock differs, set its time offset (cloud_time_offset, camera_<i>/time_offset) to " << offset;
-      callbacks.log(LogLevel::kWarning, text.str());
-    }
-  }
-
- private:
-  static constexpr std::size_t kMost = 200;  // messages of a topic
-  static constexpr double kNoticed = 10.0;   // s; mapping programs send their poses some seconds late
-
-  static double median(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  }
-
-  std::map<std::string, std::vector<double>> delays_;  ///< s, from stamp to receipt
-};
+tf2_msgs::TFMessage messageOf(const geometry_msgs::TransformStamped& transform) {
+  tf2_msgs::TFMessage message;
+  message.transforms.push_back(transform);
+  return message;
+}
 
 /// Gives transforms to the collector, ahead of the other messages.
 class TransformReader {
  public:
   TransformReader(std::unique_ptr<rosbag::View> view, const Rig& rig, double lead, Collector& collector,
                   ClockWatch& clocks)
-      : view_(std::move(view)), next_(view_->begin()), rig_(rig), lead_(lead), collector_(collector), clocks_(clocks) {}
+      : view_(std::move(view)),
+        next_(view_->begin()),
+        rig_(rig),
+        pose_(rig.poses.begin()),
+        lead_(lead),
+        collector_(collector),
+        clocks_(clocks) {}
+
+  /// The fixed tree. Where poses are given, it is turned so that it hangs from their frame.
+  void giveFixed(std::vector<geometry_msgs::TransformStamped> fixed) {
+    if (!rig_.poses.empty()) {
+      above_.insert(rig_.base_frame);
+      fixed = rootedAt(rig_.base_frame, fixed, above_);
+    }
+    tf2_msgs::TFMessage message;
+    message.transforms = std::move(fixed);
+    collector_.addTransforms(message, true);
+  }
 
   /// All that were received up to `lead` after `time`, but not past a step back of their stamps.
   void readTo(ros::Time time) {
     if (time > ros::TIME_MAX - lead_) time = ros::TIME_MAX - lead_;
+    for (; pose_ != rig_.poses.end() && pose_->header.stamp <= time + lead_; ++pose_) {
+      collector_.addTransforms(messageOf(*pose_), false);
+    }
     for (; next_ != view_->end() && next_->getTime() <= time + lead_; ++next_) {
       const tf2_msgs::TFMessage message = read();
       if (next_->getTime() > time && stepsBack(message)) return;
@@ -170,9 +137,15 @@ class TransformReader {
 
  private:
   tf2_msgs::TFMessage read() const {
-    if (next_->getTopic() == rig_.odometry) return transformOf(*next_, rig_.base_frame);
+    if (next_->getTopic() == rig_.odometry) return messageOf(transformOf(*next_, rig_.base_frame));
     const auto message = next_->instantiate<tf2_msgs::TFMessage>();
-    return message ? *message : tf2_msgs::TFMessage();
+    tf2_msgs::TFMessage result = message ? *message : tf2_msgs::TFMessage();
+    auto& transforms = result.transforms;
+    const auto is_given = [this](const geometry_msgs::TransformStamped& transform) {
+      return above_.count(withoutSlash(transform.child_frame_id)) != 0;
+    };
+    transforms.erase(std::remove_if(transforms.begin(), transforms.end(), is_given), transforms.end());
+    return result;
   }
 
   bool stepsBack(const tf2_msgs::TFMessage& message) const {
@@ -186,6 +159,8 @@ class TransformReader {
   std::unique_ptr<rosbag::View> view_;
   rosbag::View::iterator next_;
   const Rig& rig_;
+  std::vector<geometry_msgs::TransformStamped>::const_iterator pose_;
+  std::set<std::string> above_;  ///< frames whose place the given poses tell, not tf
   ros::Duration lead_;
   Collector& collector_;
   ClockWatch& clocks_;
@@ -266,21 +241,26 @@ std::size_t pointsSeen(const CollectorStats& stats) {
   return points.added + points.not_finite + points.too_far + points.too_near + points.voxel_taken;
 }
 
-/// Whether tf tells of the frame whose pose the first odometry message gives; a look at the first ones is enough.
-bool movesFrame(rosbag::View& odometry, rosbag::View& tf, const std::string& base_frame) {
-  constexpr int kFirst = 1000;
-  if (odometry.begin() == odometry.end()) return true;
-  const std::string child = transformOf(*odometry.begin(), base_frame).transforms[0].child_frame_id;
-  int count = 0;
-  for (const rosbag::MessageInstance& message : tf) {
+std::vector<geometry_msgs::TransformStamped> fixedTransforms(rosbag::View& view) {
+  std::vector<geometry_msgs::TransformStamped> fixed;
+  for (const rosbag::MessageInstance& message : view) {
     const auto transforms = message.instantiate<tf2_msgs::TFMessage>();
     if (!transforms) continue;
-    for (const auto& transform : transforms->transforms) {
-      if (transform.child_frame_id == child) return true;
+    for (geometry_msgs::TransformStamped transform : transforms->transforms) {
+      transform.child_frame_id = withoutSlash(transform.child_frame_id);
+      transform.header.frame_id = withoutSlash(transform.header.frame_id);
+      fixed.push_back(transform);
     }
-    if (++count == kFirst) break;
   }
-  return child.empty();
+  return fixed;
+}
+
+std_msgs::Header headerOf(const rosbag::MessageInstance& message) {
+  if (const auto cloud = message.instantiate<sensor_msgs::PointCloud2>()) return cloud->header;
+  std::vector<std::uint8_t> bytes(message.size());
+  ros::serialization::OStream stream(bytes.data(), message.size());
+  message.write(stream);
+  return cloudFromLivox(bytes)->header;
 }
 
 /// A camera_info that comes once, or late, holds for the images before it.
@@ -336,25 +316,43 @@ void BagSource::addOdometry(Rig& rig) const {
   if (rig.odometry.empty()) return;
   const auto view = impl_->view({rig.odometry});
   if (view->begin() == view->end()) return;
-  const auto transform = transformOf(*view->begin(), rig.base_frame).transforms[0];
+  const auto transform = transformOf(*view->begin(), rig.base_frame);
   require(!transform.child_frame_id.empty(), "the messages of ", rig.odometry,
           " do not say whose pose they give; set base_frame in the rig file");
   if (rig.map_frame.empty()) rig.map_frame = transform.header.frame_id;
 }
 
+void BagSource::addPoses(const std::string& file, const std::string& map_frame, Rig& rig) const {
+  std::vector<TrajectoryPose> poses = readTrajectory(file);
+  std::vector<std_msgs::Header> clouds;
+  const bool needs_stamps = !poses.front().stamp.has_value();
+  guarded(impl_->names, [&] {
+    const auto view = impl_->view({rig.cloud});
+    for (const rosbag::MessageInstance& message : *view) {
+      clouds.push_back(headerOf(message));
+      if (!needs_stamps) break;
+    }
+  });
+  require(!clouds.empty(), "the bag has no cloud on ", rig.cloud);
+  if (needs_stamps) {
+    require(clouds.size() == poses.size(), file, " has ", poses.size(), " poses without stamps, but ", rig.cloud,
+            " has ", clouds.size(), " clouds; give a file of TUM's form, with stamps");
+    for (std::size_t i = 0; i < poses.size(); ++i) poses[i].stamp = static_cast<std::int64_t>(clouds[i].stamp.toNSec());
+  }
+  if (rig.base_frame.empty()) rig.base_frame = withoutSlash(clouds.front().frame_id);
+  for (const TrajectoryPose& pose : poses) rig.poses.push_back(transformOf(pose, map_frame, rig.base_frame));
+  rig.odometry.clear();
+}
+
 void BagSource::play(const Rig& rig, double tf_lead, Collector& collector, const Callbacks& callbacks) {
   guarded(impl_->names, [&] {
-    const auto static_tf = impl_->view(kStaticTf);
-    for (const rosbag::MessageInstance& message : *static_tf) {
-      if (const auto transforms = message.instantiate<tf2_msgs::TFMessage>())
-        collector.addTransforms(*transforms, true);
-    }
     ClockWatch clocks;
     giveFirstInfos(
         rig, [&](const Strings& topics) { return impl_->view(topics); }, collector);
     Strings moving = kTf;
     if (!rig.odometry.empty()) moving.push_back(rig.odometry);
     TransformReader tf(impl_->view(moving), rig, tf_lead, collector, clocks);
+    tf.giveFixed(fixedTransforms(*impl_->view(kStaticTf)));
     const auto sensors = impl_->view(sensorTopics(rig));
     ReadProgress progress(sensors->size(), callbacks);
     for (const rosbag::MessageInstance& message : *sensors) {
@@ -364,7 +362,7 @@ void BagSource::play(const Rig& rig, double tf_lead, Collector& collector, const
       progress.advance(pointsSeen(collector.stats()));
     }
     tf.readTo(ros::TIME_MAX);
-    clocks.warn(callbacks);
+    clocks.warn(kTf.front(), callbacks);
   });
   collector.finish();
 }

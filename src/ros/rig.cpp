@@ -234,6 +234,7 @@ std::string describeRig(const Rig& rig) {
     out << "\ncamera_" << i << ": " << camera.image << " with " << camera.camera_info
         << (camera.params.rectified ? ", rectified" : "");
   }
+  if (!rig.poses.empty()) out << "\nposes: " << rig.poses.size() << " of " << rig.base_frame;
   if (!rig.odometry.empty()) out << "\nodometry: " << rig.odometry << ", map_frame: " << rig.map_frame;
   for (const auto& [topic, why] : rig.left_out) out << "\nleft out: " << topic << ' ' << why;
   return out.str();

@@ -290,6 +290,62 @@ TEST_F(BagTest, OdometryBesideTfIsLeftAlone) {
   EXPECT_EQ(rig.odometry, "");
 }
 
+/// What is recorded with the poses of a file instead of tf's.
+std::vector<View> viewsWithPoses(const std::string& bag, const std::string& poses, const std::string& frame,
+                                 const std::string& directory) {
+  BagSource source({bag});
+  Rig rig = guessRig(source.topics());
+  rig.base_frame = frame;
+  source.addPoses(poses, "map", rig);
+  CollectorParams params;
+  params.record.min_range = 0;
+  params.cameras.resize(rig.cameras.size());
+  Recorder recorder(directory, "map", params.record);
+  Collector collector(recorder, params, {});
+  source.play(rig, 2, collector, {});
+  return recorder.snapshot().views();
+}
+
+TEST_F(BagTest, PosesMayComeFromAFile) {
+  const testing_ros::SmallDrive drive;
+  drive.write(scratch_ / "small.bag");
+  std::string tum = "# stamp x y z qx qy qz qw\n", kitti, of_camera;
+  const auto fixed = testing_ros::SmallDrive::fixedFrames().transforms[0].transform;  // camera_0 on the lidar
+  for (std::size_t i = 0; i < drive.num_frames; ++i) {
+    const std::string stamp = std::to_string(drive.stampOf(i)), x = std::to_string(2 * drive.positionOf(i));
+    tum += stamp + ' ' + x + " 0 0 0 0 0 1\n";
+    kitti += "1 0 0 " + x + " 0 1 0 0 0 0 1 0\n";
+    of_camera += stamp + ' ' + x + " 0 0 " + std::to_string(fixed.rotation.x) + ' ' + std::to_string(fixed.rotation.y) +
+                 ' ' + std::to_string(fixed.rotation.z) + ' ' + std::to_string(fixed.rotation.w) + '\n';
+  }
+  int runs = 0;
+  for (const auto& [text, frame] : std::vector<std::pair<std::string, std::string>>{
+           {tum, ""}, {tum, "lidar"}, {kitti, ""}, {of_camera, "camera_0"}}) {
+    const std::vector<View> views = viewsWithPoses(scratch_ / "small.bag", write("poses.txt", text), frame,
+                                                   scratch_ / ("recording" + std::to_string(runs++)));
+    ASSERT_EQ(views.size(), 2 * drive.num_frames) << runs;
+    for (const View& view : views) {
+      EXPECT_NEAR(view.map_from_camera.translation().x(),
+                  2 * drive.positionOf(static_cast<std::size_t>(view.stamp - drive.first_stamp)), 1e-5);
+      const Eigen::Vector3d ahead = view.map_from_camera.linear().col(2);
+      EXPECT_NEAR(ahead.y(), view.camera == 0 ? 1 : -1, 1e-5) << runs;
+    }
+  }
+}
+
+TEST_F(BagTest, PosesThatAreNoneAreToldWithFileAndLine) {
+  testing_ros::SmallDrive().write(scratch_ / "small.bag");
+  const auto error = [&](const std::string& text) {
+    return errorOf([&] { viewsWithPoses(scratch_ / "small.bag", write("p.txt", text), "", scratch_ / "r"); });
+  };
+  EXPECT_TRUE(contains(error("1 2 3\n"), "p.txt line 1: 3 numbers"));
+  EXPECT_TRUE(contains(error("1 0 0 0 0 0 0 2\n"), "norm 2"));
+  EXPECT_TRUE(contains(error("2 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"), "line 2: its stamp is not after"));
+  EXPECT_TRUE(contains(error("1 0 0 0 0 1 0 0 0 0 1 0\n"), "1 poses without stamps"));
+  EXPECT_TRUE(contains(error("1 0 0 0 0 2 0 0 0 0 1 0\n"), "no rotation"));
+  EXPECT_TRUE(contains(error("# none\n"), "no poses"));
+}
+
 TEST_F(BagTest, AnInfoThatComesLateHoldsForTheImagesBeforeIt) {
   testing_ros::SmallDrive drive;
   drive.write(scratch_ / "small.bag");

@@ -4,6 +4,8 @@
 /// Bags as a source of messages, and the rig: which topic is the cloud and which are the cameras.
 #pragma once
 
+#include <geometry_msgs/TransformStamped.h>
+
 #include <functional>
 #include <map>
 #include <memory>
@@ -27,6 +29,8 @@ struct Rig {
   std::string cloud;       ///< sensor_msgs/PointCloud2 or livox_ros_driver(2)/CustomMsg
   std::string odometry;    ///< nav_msgs/Odometry or geometry_msgs/PoseStamped that stands in for tf; empty: none
   std::string base_frame;  ///< whose pose it gives; empty: as its messages say
+  /// By stamp, of base_frame, instead of what tf and odometry say of it.
+  std::vector<geometry_msgs::TransformStamped> poses;
   std::vector<RigCamera> cameras;
   std::vector<std::pair<std::string, std::string>> left_out;  ///< image topics that are not taken, and why
 };
@@ -62,6 +66,9 @@ class BagSource {
   std::string formatOf(const std::string& topic) const;
   /// Takes the bag's only odometry topic where tf does not move the frame that it tells of.
   void addOdometry(Rig& rig) const;
+  /// Takes the poses of a file (readTrajectory) for those of rig.base_frame, or where that is empty of the first
+  /// cloud's frame. Poses without stamps are of the clouds, one for each. Throws std::runtime_error.
+  void addPoses(const std::string& file, const std::string& map_frame, Rig& rig) const;
 
   /// Gives all messages to the collector in the order of the bag: all static transforms and the first camera_info of
   /// each camera first, the other transforms `tf_lead` seconds ahead (not across a step back in time). Calls
