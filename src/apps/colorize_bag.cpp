@@ -19,7 +19,7 @@ CommandSpec commandSpec() {
   spec.positionals = "DRIVE.bag [DRIVE2.bag ...]";
   spec.min_positionals = 1;
   spec.max_positionals = 100000;
-  spec.options = {{"output", "FILE", "the coloured map, .ply or .pcd", true},
+  spec.options = {{"output", "FILE", "the coloured map, .ply, .pcd or .las", true},
                   kConfigOption,
                   kPosesOption,
                   kPosesFrameOption,

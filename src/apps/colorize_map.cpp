@@ -26,10 +26,10 @@ int main(int argc, char** argv) {
   spec.program = "colorize_map";
   spec.summary = "Colours a cloud from images with known cameras and poses (COLMAP model).";
   spec.options = {
-      {"cloud", "FILE", "the map, .ply or .pcd", true},
+      {"cloud", "FILE", "the map, .ply, .pcd or .las", true},
       {"images", "DIR", "folder of the images that the model names", true},
       {"model", "DIR", "folder of a COLMAP model, binary or text (also the folder around its sparse/0)", true},
-      {"output", "FILE", "the coloured map, .ply or .pcd", true},
+      {"output", "FILE", "the coloured map, .ply, .pcd or .las", true},
       {"recording", "DIR", "keep the recording here instead of in a temporary folder", false},
       kWriteModelOption};
   // A finished map: every point is wanted, and nothing is known about its scale or about where it was measured from.

@@ -148,7 +148,7 @@ int runScore(int argc, char** argv) {
   spec.program = "evaluate score";
   spec.summary = "Compares two coloured clouds: each point of the truth with the nearest one of the result.";
   spec.takes_params = false;
-  spec.options = {{"truth", "FILE", "coloured cloud, .ply or .pcd", true},
+  spec.options = {{"truth", "FILE", "coloured cloud, .ply, .pcd or .las", true},
                   {"result", "FILE", "coloured cloud; points with view_count 0 do not count", true},
                   {"max-distance", "M", "of points that are compared (0.1)"}};
   return runMain(argc, argv, spec, [](const CommandLine& line, const Callbacks& callbacks) {

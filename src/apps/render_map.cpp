@@ -136,7 +136,7 @@ void render(const CommandLine& line, const Callbacks& callbacks) {
 int main(int argc, char** argv) {
   CommandSpec spec;
   spec.program = "render_map";
-  spec.summary = "Draws coloured maps (.ply, .pcd) as a picture; several are drawn side by side.";
+  spec.summary = "Draws coloured maps (.ply, .pcd, .las) as a picture; several are drawn side by side.";
   spec.positionals = "MAP [MAP2 ...]";
   spec.min_positionals = 1;
   spec.max_positionals = 16;

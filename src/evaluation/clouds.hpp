@@ -22,7 +22,7 @@ struct ColoredCloud {
 /// when there are no colours.
 ColoredCloud coloredCloud(const Cloud& cloud, const std::string& source);
 
-/// Reads a .ply or .pcd. Points without a finite position or with view_count 0 are left out.
+/// Reads a .ply, .pcd or .las. Points without a finite position or with view_count 0 are left out.
 ColoredCloud readColoredCloud(const std::string& path);
 
 }  // namespace cloud_colorizer

@@ -16,8 +16,8 @@ class SavePlace {
   explicit SavePlace(const std::string& directory);
 
   /// The file's name without links. Relative paths are below the directory. Throws std::runtime_error, with the remedy:
-  /// outside of it, inside a recording, not .ply or .pcd, no regular file, or one that is there already and neither
-  /// `overwrite` nor of our own writing.
+  /// outside of it, inside a recording, not .ply, .pcd or .las, no regular file, or one that is there already and
+  /// neither `overwrite` nor of our own writing.
   std::string resolve(const std::string& path, bool overwrite) const;
   /// `file` is our own from now on.
   void own(const std::string& file);

@@ -4,6 +4,7 @@
 /// Reading and writing clouds: PLY and PCD, in blocks, so that memory is bounded whatever the size of the file.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -19,8 +20,8 @@ std::string originFile(const std::string& pcd);
 
 /// Reads .ply (ascii, binary little and big endian; other elements than vertex and lists within it are skipped) and
 /// .pcd (ascii, binary, binary_compressed; VIEWPOINT and an originFile() beside it are applied). X, Y, Z are x, y, z.
-/// 64 bit integers become float64. Limits: a line of text of 1 MiB, a point of a million numbers, and 4 GB of points in
-/// a compressed file, all of which are then held in memory.
+/// 64 bit integers become float64. .las of any point format, not compressed. Limits: a line of text of 1 MiB, a point
+/// of a million numbers, and 4 GB of points in a compressed file, all of which are then held in memory.
 class CloudReader {
  public:
   /// Reads the header. Throws std::runtime_error, with file and reason, when it is damaged or of another format, or
@@ -40,13 +41,15 @@ class CloudReader {
 
 /// Writes a cloud of known size to `path` + a temporary suffix, and renames it on finish(): the file is complete or
 /// absent. Positions are written as double where `double_positions`, else as float. The format follows the extension.
-/// PCD: binary, fields as they are. PLY: binary little endian; "rgb" becomes uchar red, green, blue, and an array
-/// name_0, name_1, ... The constructor throws std::runtime_error for an unknown extension or a missing directory and
-/// std::invalid_argument for fields that checkFields refuses; write() and finish() throw std::runtime_error when the
-/// disk is full. The temporary file is removed unless finish() came to its end.
+/// LAS: integers in a `box`, which must hold all points; "rgb" becomes its colours of 16 bits, what it has no place for
+/// extra bytes. PCD: binary, fields as they are. PLY: binary little endian; "rgb" becomes uchar red, green, blue, and
+/// an array name_0, name_1, ... The constructor throws std::runtime_error for an unknown extension or a missing
+/// directory and std::invalid_argument for fields that checkFields refuses; write() and finish() throw
+/// std::runtime_error when the disk is full. The temporary file is removed unless finish() came to its end.
 class CloudWriter {
  public:
-  CloudWriter(const std::string& path, std::size_t num_points, const std::vector<Field>& fields, bool double_positions);
+  CloudWriter(const std::string& path, std::size_t num_points, const std::vector<Field>& fields, bool double_positions,
+              const Eigen::AlignedBox3d& box = {});
   ~CloudWriter();
   /// Further points. Throws std::invalid_argument when the fields differ or there are more than `num_points`.
   void write(const Cloud& cloud);

@@ -12,7 +12,7 @@
 namespace cloud_colorizer {
 
 struct ModelFiles {
-  std::string cloud;   ///< .ply or .pcd
+  std::string cloud;   ///< .ply, .pcd or .las
   std::string images;  ///< folder
   std::string model;   ///< folder of a COLMAP model, see readColmapModel()
 };

@@ -49,7 +49,8 @@ void visitCollectorParams(CollectorParamsT& p, F&& f) {
     f((prefix + "time_offset").c_str(), camera.time_offset, "s added to the image stamps");
     f((prefix + "mask").c_str(), camera.mask, "image file, black where the camera must not colour");
     f((prefix + "rectified").c_str(), camera.rectified, "true for rectified images: P is used, without distortion");
-    f((prefix + "bits").c_str(), camera.bits, "that the camera fills of 16 bits a channel; 0: as the first image tells");
+    f((prefix + "bits").c_str(), camera.bits,
+      "that the camera fills of 16 bits a channel; 0: as the first image tells");
   }
 }
 
@@ -57,7 +58,7 @@ void visitCollectorParams(CollectorParamsT& p, F&& f) {
 template <class NodeParamsT, class F>
 void visitNodeParams(NodeParamsT& p, F&& f) {
   f("recording_dir", p.recording_dir, "directory of the recording; empty: a new one below ~/.ros/cloud_colorizer");
-  f("save_path", p.save_path, ".ply or .pcd; the map is coloured and saved there on shutdown");
+  f("save_path", p.save_path, ".ply, .pcd or .las; the map is coloured and saved there on shutdown");
   f("save_dir", p.save_dir, "directory that holds what ~save_map may write; empty: the one around the recording");
   f("image_transport", p.image_transport,
     "raw, compressed (files kept as received), or another one that image_transport has a plugin for");

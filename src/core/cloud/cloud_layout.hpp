@@ -38,7 +38,8 @@ struct SkippedList {
 struct CloudHeader {
   std::vector<PlacedField> fields;  ///< their offsets do not count: one follows the other
   std::vector<SkippedList> lists;
-  Eigen::Isometry3d map_from_points = Eigen::Isometry3d::Identity();  ///< VIEWPOINT of a PCD
+  /// VIEWPOINT of a PCD; scale and offset of a LAS.
+  Eigen::Affine3d map_from_points = Eigen::Affine3d::Identity();
   std::uint64_t num_points = 0;
   Encoding encoding = Encoding::kBinary;
 };

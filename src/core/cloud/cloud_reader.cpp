@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "base/text.hpp"
+#include "cloud/las.hpp"
 #include "cloud/pcd.hpp"
 #include "cloud/ply.hpp"
 #include "cloud_colorizer/base/check.hpp"
@@ -30,8 +31,11 @@ Eigen::Vector3d readOrigin(const std::string& path) {
 
 CloudHeader readHeader(BlockReader& input) {
   const auto extension = lowerExtension(input.path());
-  require(extension == ".ply" || extension == ".pcd", "cannot read ", input.path(),
-          ": its extension must be .ply or .pcd");
+  require(extension != ".laz", "cannot read ", input.path(), ", which is compressed; convert it: laszip -i ",
+          input.path(), " -o cloud.las, or pdal translate ", input.path(), " cloud.las");
+  require(extension == ".ply" || extension == ".pcd" || extension == ".las", "cannot read ", input.path(),
+          ": its extension must be .ply, .pcd or .las");
+  if (extension == ".las") return readLasHeader(input);
   if (extension == ".ply") return readPlyHeader(input);
   CloudHeader header = readPcdHeader(input);
   header.map_from_points.pretranslate(readOrigin(originFile(input.path())));
@@ -179,7 +183,7 @@ Cloud CloudReader::read(std::size_t max_points) {
     impl.layout.decode(impl.raw.data(), count, cloud, first);
     impl.num_read += count;
   }
-  const Eigen::Isometry3d& map_from_points = impl.header.map_from_points;
+  const Eigen::Affine3d& map_from_points = impl.header.map_from_points;
   if (!map_from_points.matrix().isIdentity(0)) cloud.positions = map_from_points * cloud.positions;
   return cloud;
 }

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 
 #include "base/file_io.hpp"
 #include "base/text.hpp"
+#include "cloud/las.hpp"
 #include "cloud/pcd.hpp"
 #include "cloud/ply.hpp"
 #include "cloud_colorizer/base/check.hpp"
@@ -16,29 +18,56 @@
 
 namespace cloud_colorizer {
 
+namespace {
+
+/// Rounded to kilometres, as recordings have their origins.
+Eigen::Vector3d lasOffset(const Eigen::AlignedBox3d& box) {
+  if (box.isEmpty()) return Eigen::Vector3d::Zero();
+  return (box.center() / 1000).array().round() * 1000;
+}
+
+}  // namespace
+
 struct CloudWriter::Impl {
   std::string path;
   std::vector<Field> fields;
   std::size_t num_points = 0, num_written = 0;
   PackedFormat format;
+  std::optional<LasFormat> las;
   AtomicFile file;
   std::vector<std::uint8_t> block;
 
-  Impl(const std::string& file_path, std::size_t count, const std::vector<Field>& cloud_fields, bool as_double)
+  Impl(const std::string& file_path, std::size_t count, const std::vector<Field>& cloud_fields, bool as_double,
+       const Eigen::AlignedBox3d& box)
       : path((checkPath(file_path), file_path)),
         fields((checkFields(cloud_fields), cloud_fields)),
         num_points(count),
-        format(isPly() ? plyFormat(fields, as_double) : wholeRecords(fields, as_double)),
+        format(extension() == ".ply" ? plyFormat(fields, as_double) : wholeRecords(fields, as_double)),
         file(path) {
-    const auto header = isPly() ? plyHeader(fields, as_double, count) : pcdHeader(fields, as_double, count);
+    if (extension() == ".las") {
+      require<std::invalid_argument>(count == 0 || !box.isEmpty(), path, " needs the box around its points");
+      las.emplace(fields, count, box, lasOffset(box));
+    }
+    const std::string header = las                     ? las->header()
+                               : extension() == ".ply" ? plyHeader(fields, as_double, count)
+                                                       : pcdHeader(fields, as_double, count);
     file.append(header.data(), header.size());
   }
-  bool isPly() const { return lowerExtension(path) == ".ply"; }
+  std::string extension() const { return lowerExtension(path); }
+  std::size_t pointSize() const { return las ? las->pointSize() : format.pointSize(); }
+  void pack(const Cloud& cloud, std::size_t first, std::size_t count) {
+    block.resize(count * pointSize());
+    if (las) {
+      las->pack(cloud, first, count, block.data());
+    } else {
+      format.pack(cloud, first, count, block.data());
+    }
+  }
 };
 
 CloudWriter::CloudWriter(const std::string& path, std::size_t num_points, const std::vector<Field>& fields,
-                         bool double_positions)
-    : impl_(std::make_unique<Impl>(path, num_points, fields, double_positions)) {}
+                         bool double_positions, const Eigen::AlignedBox3d& box)
+    : impl_(std::make_unique<Impl>(path, num_points, fields, double_positions, box)) {}
 CloudWriter::~CloudWriter() = default;
 
 void CloudWriter::write(const Cloud& cloud) {
@@ -51,8 +80,7 @@ void CloudWriter::write(const Cloud& cloud) {
                                  impl.num_points, " points, and there are more");
   for (std::size_t first = 0; first < num_points; first += kBlockPoints) {
     const auto count = std::min(kBlockPoints, num_points - first);
-    impl.block.resize(count * impl.format.pointSize());
-    impl.format.pack(cloud, first, count, impl.block.data());
+    impl.pack(cloud, first, count);
     impl.file.append(impl.block.data(), impl.block.size());
   }
   impl.num_written += num_points;
@@ -66,7 +94,8 @@ void CloudWriter::finish() {
 
 void CloudWriter::checkPath(const std::string& path) {
   const auto extension = lowerExtension(path);
-  require(extension == ".ply" || extension == ".pcd", "cannot write ", path, ": its extension must be .ply or .pcd");
+  require(extension == ".ply" || extension == ".pcd" || extension == ".las", "cannot write ", path,
+          ": its extension must be .ply, .pcd or .las");
   auto directory = std::filesystem::path(path).parent_path();
   if (directory.empty()) directory = ".";
   require(std::filesystem::is_directory(directory), "cannot write ", path, ": there is no directory ",

@@ -24,6 +24,15 @@ struct MapSample {
   Eigen::VectorXf intensity;  ///< empty where the recording has none
 };
 
+/// Under the names that drivers, CloudCompare and PDAL give it.
+std::optional<LocatedField> findIntensity(const std::vector<Field>& fields) {
+  for (const char* name : {"intensity", "Intensity", "scalar_Intensity", "scalar_intensity", "reflectivity",
+                           "Reflectivity", "scalar_Reflectivity", "i"}) {
+    if (const auto field = findField(fields, name)) return field;
+  }
+  return std::nullopt;
+}
+
 /// The same points whatever the chunks and threads: a hash of the position decides.
 MapSample samplePoints(Workspace& work, const Callbacks& callbacks) {
   const Recording& recording = work.recording();
@@ -33,8 +42,7 @@ MapSample samplePoints(Workspace& work, const Callbacks& callbacks) {
       std::min(params.alignment_points / kViewsPerPoint, static_cast<double>(params.pointsPerView(num_views)));
   const double share = of_view * static_cast<double>(num_views) / static_cast<double>(recording.numPoints());
   const std::vector<Field>& fields = recording.fields();
-  const auto found = findField(fields, "intensity");
-  const auto field = found ? found : findField(fields, "reflectivity");
+  const auto field = findIntensity(fields);
   const std::size_t record_size = recordSize(fields);
 
   std::vector<Surface> taken;

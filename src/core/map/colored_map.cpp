@@ -207,6 +207,17 @@ void forEachColoredTile(const Recording& recording, const Params& params, bool r
 
 namespace {
 
+Eigen::AlignedBox3d boxAround(const Recording& recording) {
+  Eigen::AlignedBox3d box;
+  for (std::size_t tile = 0; tile < recording.tiles().size(); ++tile) {
+    const Points points = recording.readPoints(tile);
+    if (points.cols() == 0) continue;
+    box.extend(points.rowwise().minCoeff().cast<double>() + recording.origin());
+    box.extend(points.rowwise().maxCoeff().cast<double>() + recording.origin());
+  }
+  return box;
+}
+
 /// PCL reads x, y and z as floats only, which keep no centimetres of UTM coordinates. So the points of a PCD are
 /// relative to the recording's origin, which stands beside it; CloudReader adds it again.
 void writeOrigin(const std::string& path, const Eigen::Vector3d& origin, const Callbacks& callbacks) {
@@ -232,7 +243,8 @@ std::size_t saveColored(const Recording& recording, const Params& params, const 
   const std::size_t num_points = tiles.numPoints();
   const bool is_far = !recording.origin().isZero();
   const bool is_relative = is_far && lowerExtension(path) == ".pcd";
-  CloudWriter writer(path, num_points, coloredFields(recording, params), is_far && !is_relative);
+  const Eigen::AlignedBox3d box = lowerExtension(path) == ".las" ? boxAround(recording) : Eigen::AlignedBox3d();
+  CloudWriter writer(path, num_points, coloredFields(recording, params), is_far && !is_relative, box);
   ProgressMeter progress(callbacks, "save", num_points);
   tiles.visit(is_relative, [&](const Cloud& cloud) {
     writer.write(cloud);

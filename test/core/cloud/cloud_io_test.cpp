@@ -252,7 +252,7 @@ TEST(CloudWriter, NothingRemainsWithoutFinish) {
 
 TEST(CloudWriter, BadPathsAreRefusedBeforeWork) {
   ScratchDirectory scratch;
-  EXPECT_ERROR(CloudWriter::checkPath(scratch / "a.las"), "must be .ply or .pcd");
+  EXPECT_ERROR(CloudWriter::checkPath(scratch / "a.e57"), "must be .ply, .pcd or .las");
   EXPECT_ERROR(CloudWriter::checkPath(scratch / "none/a.ply"), "there is no directory");
   std::filesystem::create_directory(scratch / "d.ply");
   EXPECT_ERROR(CloudWriter::checkPath(scratch / "d.ply"), "is a directory");
@@ -309,8 +309,8 @@ TEST(CloudReader, BadPlyFilesAreExplained) {
     EXPECT_ERROR(readAll(scratch / "a.ply"), part);
   }
   EXPECT_ERROR(readAll(scratch / "none.ply"), "No such file");
-  writeText(scratch / "a.las", "LASF");
-  EXPECT_ERROR(readAll(scratch / "a.las"), "must be .ply or .pcd");
+  writeText(scratch / "a.e57", "ASTM-E57");
+  EXPECT_ERROR(readAll(scratch / "a.e57"), "must be .ply, .pcd or .las");
 }
 
 /// What programs write that are not quite by the book.
