@@ -45,7 +45,7 @@ struct CameraState {
   sensor_msgs::CameraInfoConstPtr info;  ///< the newest
   std::optional<std::uint32_t> id;       ///< in the recording; set when the camera_info is good
   Intrinsics intrinsics;
-  int bits = 0;  ///< of images with 16 bits a channel; 0: none came yet
+  int bits = 0;                                     ///< of images with 16 bits a channel; 0: none came yet
   Eigen::Vector3d baseline{0, 0, 0};                ///< m, of a rectified camera in the frame of its camera_info
   Refused info_error{Outcome::kBadCameraInfo, ""};  ///< why there is no id
   std::optional<Isometry> last_kept;
@@ -358,10 +358,12 @@ struct Collector::Impl {
       const std::string param = camera.name + "/bits=" + std::to_string(bits);
       if (camera.bits != 0) {
         events.log(LogLevel::kWarning, camera.name + ": an image has more than the " + std::to_string(camera.bits) +
-                                           " bits of those before it, which are now too bright; record again with " + param);
+                                           " bits of those before it, which are now too bright; record again with " +
+                                           param);
       } else {
-        events.log(LogLevel::kInfo, camera.name + ": of 16 bits a channel, the first image fills " + std::to_string(bits) +
-                                        ", which is taken as full scale; else set " + camera.name + "/bits");
+        events.log(LogLevel::kInfo, camera.name + ": of 16 bits a channel, the first image fills " +
+                                        std::to_string(bits) + ", which is taken as full scale; else set " +
+                                        camera.name + "/bits");
       }
     }
     return camera.bits = bits;

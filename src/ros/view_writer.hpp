@@ -26,8 +26,8 @@ struct PendingView {
   Intrinsics intrinsics;
   SharedBytes bytes;  ///< of a compressed image, as received
   std::string extension;
-  bool is_decoded = false;            ///< a compressed image that is not kept as received: a mosaic, or scaled to 16 bits
-  int bits = 16;                      ///< of 16 bits a channel, those that are filled
+  bool is_decoded = false;  ///< a compressed image that is not kept as received: a mosaic, or scaled to 16 bits
+  int bits = 16;            ///< of 16 bits a channel, those that are filled
   std::future<EncodedImage> encoded;  ///< of a raw image, or of one that is decoded
 };
 

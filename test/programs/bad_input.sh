@@ -36,7 +36,7 @@ refuse 2 'fames' simulate --output "$tmp/out/drive" --fames 3
 refuse 2 'size' render_map "$tmp/map.ply" --output "$tmp/out/map.png" --size large
 
 # ---- the output ----
-refuse 1 'extension must be .ply, .pcd or .las' colorize "$tmp/recording" --output "$tmp/out/map.las"
+refuse 1 'extension must be .ply, .pcd or .las' colorize "$tmp/recording" --output "$tmp/out/map.e57"
 refuse 1 'extension must be .ply, .pcd or .las' colorize_bag "$bag" --output "$tmp/out/map"
 refuse 1 "no directory $tmp/nowhere" colorize "$tmp/recording" --output "$tmp/nowhere/map.ply"
 refuse 1 "no directory $tmp/nowhere" colorize_bag "$bag" --output "$tmp/nowhere/map.ply"

@@ -281,8 +281,9 @@ TEST_F(CollectorTest, TwelveBitsInSixteenAreFullScale) {
   drive(10, 14);
   addInfo();
   const auto wide = [](std::uint16_t value) {
-    return imageMessage("mono16", 8, 6, {static_cast<std::uint8_t>(value & 0xFF), static_cast<std::uint8_t>(value >> 8),
-                                         static_cast<std::uint8_t>(value & 0xFF), static_cast<std::uint8_t>(value >> 8)});
+    return imageMessage("mono16", 8, 6,
+                        {static_cast<std::uint8_t>(value & 0xFF), static_cast<std::uint8_t>(value >> 8),
+                         static_cast<std::uint8_t>(value & 0xFF), static_cast<std::uint8_t>(value >> 8)});
   };
   addImage(10.5, wide(2048));
   addImage(11.5, wide(1024));  // no brighter for being darker

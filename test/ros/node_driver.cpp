@@ -239,7 +239,7 @@ TEST_F(NodeTest, RawImagesColourPublishAndSave) {
   const auto missing = save(directory_ + "/no/such/place.ply");
   EXPECT_FALSE(missing.success);
   EXPECT_NE(missing.message.find("no/such"), std::string::npos) << missing.message;
-  const auto unknown = save(directory_ + "/map.las");
+  const auto unknown = save(directory_ + "/map.e57");
   EXPECT_FALSE(unknown.success);
   EXPECT_NE(unknown.message.find("las"), std::string::npos) << unknown.message;
   EXPECT_EQ(process_->stop(SIGINT), 0) << process_->log();

@@ -108,7 +108,7 @@ TEST_F(SavePlaceTest, RecordingsAreLeftAlone) {
 }
 
 TEST_F(SavePlaceTest, OddPathsAreRefused) {
-  for (const std::string path : {"", ".", "..", "/", "sub", "a.las", "no/such/a.ply"}) EXPECT_NE(refusal(path), "");
+  for (const std::string path : {"", ".", "..", "/", "sub", "a.e57", "no/such/a.ply"}) EXPECT_NE(refusal(path), "");
   expectRefused(std::string("a.ply\0.pcd", 10), "byte 0");
 }
 

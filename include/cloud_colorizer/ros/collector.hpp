@@ -32,7 +32,8 @@ struct CameraParams {
   double time_offset = 0;  ///< s, added to the stamps of the images
   std::string mask;        ///< image file, black where the camera must not colour; empty: none
   bool rectified = false;  ///< the images are rectified: P counts, without distortion
-  /// Of images with 16 bits a channel: how many the camera fills; 0: as few of 10, 12, 14 and 16 as hold its first image.
+  /// Of images with 16 bits a channel: how many the camera fills; 0: as few of 10, 12, 14 and 16 as hold its first
+  /// image.
   int bits = 0;
 };
 
