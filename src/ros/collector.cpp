@@ -189,7 +189,7 @@ struct Collector::Impl {
   /// Of clouds that are in the map frame already, as mapping programs publish them: the frame that is the scanner's by
   /// its name, else the first camera's, which is near it.
   std::string scannerFrame() const {
-    const std::string named = transforms.scannerFrame();
+    std::string named = transforms.scannerFrame();
     if (!named.empty()) return named;
     for (const CameraState& camera : cameras) {
       if (camera.info && transforms.has(withoutSlash(camera.info->header.frame_id))) {
@@ -200,9 +200,9 @@ struct Collector::Impl {
   }
 
   std::string sensorOf(const std::string& frame) {
-    const std::string sensor = sensor_frame.empty() ? frame : sensor_frame;
+    std::string sensor = sensor_frame.empty() ? frame : sensor_frame;
     if (sensor != map_frame) return sensor;
-    const std::string scanner = scannerFrame();
+    std::string scanner = scannerFrame();
     if (scanner.empty()) return sensor;
     warn("clouds", "range",
          "the clouds are in the map frame already; they are taken as measured from the frame " + scanner +
@@ -312,7 +312,7 @@ struct Collector::Impl {
   /// P of the right camera of a stereo pair says how far it is from the frame that both cameras name. Most drivers give
   /// each camera a frame of its own instead, which tells the same.
   Eigen::Translation3d offsetInFrame(const CameraState& camera) {
-    const Eigen::Translation3d none(0, 0, 0);
+    Eigen::Translation3d none(0, 0, 0);
     if (camera.baseline.isZero()) return none;
     const std::string frame = camera.info->header.frame_id;
     const bool is_shared = std::any_of(cameras.begin(), cameras.end(), [&](const CameraState& other) {

@@ -292,7 +292,7 @@ cv::Mat scaledTo16Bits(const cv::Mat& image, int bits) {
 cv::Mat imageFromMessage(const sensor_msgs::CompressedImage& message) {
   const EncodedInfo info = inspectCompressed(message);
   const int flags = info.is_mosaic ? cv::IMREAD_UNCHANGED : cv::IMREAD_ANYCOLOR | cv::IMREAD_ANYDEPTH;
-  const cv::Mat image = cv::imdecode(message.data, flags | cv::IMREAD_IGNORE_ORIENTATION);
+  cv::Mat image = cv::imdecode(message.data, flags | cv::IMREAD_IGNORE_ORIENTATION);
   require<Invalid>(!image.empty(), "the compressed image (format \"", message.format, "\") cannot be decoded");
   if (!info.is_mosaic) return image;
   std::string encoding = encodingOfFormat(message.format);

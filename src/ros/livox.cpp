@@ -30,7 +30,7 @@ bool isLivoxType(const std::string& type) {
 }
 
 sensor_msgs::PointCloud2Ptr cloudFromLivox(std::vector<std::uint8_t>& message) {
-  const auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
+  auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
   std::uint32_t num_points = 0;
   ros::serialization::IStream stream(message.data(), static_cast<std::uint32_t>(message.size()));
   try {

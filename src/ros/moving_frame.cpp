@@ -73,6 +73,7 @@ std::vector<TransformStamped> rootedAt(const std::string& root, const std::vecto
     by_child[down.child_frame_id] = down;
   }
   std::vector<TransformStamped> result;
+  result.reserve(by_child.size());
   for (const auto& entry : by_child) result.push_back(entry.second);
   return result;
 }

@@ -91,7 +91,7 @@ std::string TransformBuffer::add(const geometry_msgs::TransformStamped& transfor
 Isometry TransformBuffer::lookUp(const std::string& target, const std::string& source, ros::Time stamp) const {
   if (target == source) return Isometry::Identity();
   try {
-    const Isometry result = isometryOf(buffer_.lookupTransform(target, source, stamp).transform);
+    Isometry result = isometryOf(buffer_.lookupTransform(target, source, stamp).transform);
     if (!(result.translation().cwiseAbs().maxCoeff() < kMaxDistance)) {  // tf takes infinity
       throw Refused{Outcome::kNoTransform, "the transform from " + source + " to " + target +
                                                " is damaged: a translation of " +
@@ -108,7 +108,7 @@ Isometry TransformBuffer::lookUp(const std::string& target, const std::string& s
   }
 }
 
-std::set<std::string> TransformBuffer::wayToRoot(std::string frame) const {
+std::set<std::string> TransformBuffer::wayToRoot(const std::string& frame) const {
   std::set<std::string> children;
   for (auto edge = edges_.find(frame); edge != edges_.end(); edge = edges_.find(edge->second.parent)) {
     if (!children.insert(edge->first).second) break;  // tf refuses loops, but parents may change

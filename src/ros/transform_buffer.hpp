@@ -62,7 +62,7 @@ class TransformBuffer {
   void checkGaps(const std::string& target, const std::string& source, ros::Time stamp) const;
   std::string whyUnknown(const std::string& target, const std::string& source) const;
   std::string frames() const;  ///< "base_link, lidar, map"
-  std::set<std::string> wayToRoot(std::string frame) const;
+  std::set<std::string> wayToRoot(const std::string& frame) const;
 
   tf2::BufferCore buffer_;
   double cache_, max_gap_;             ///< s

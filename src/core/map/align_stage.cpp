@@ -28,7 +28,7 @@ struct MapSample {
 std::optional<LocatedField> findIntensity(const std::vector<Field>& fields) {
   for (const char* name : {"intensity", "Intensity", "scalar_Intensity", "scalar_intensity", "reflectivity",
                            "Reflectivity", "scalar_Reflectivity", "i"}) {
-    if (const auto field = findField(fields, name)) return field;
+    if (auto field = findField(fields, name)) return field;
   }
   return std::nullopt;
 }
