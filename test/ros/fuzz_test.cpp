@@ -263,7 +263,8 @@ void giveMutated(unsigned seed, int count, const Give& give) {
   Mutator mutator(seed);
   int left = count;
   Drive drive;
-  for (int i = 0; left > 0; ++i) {
+  int i = 0;
+  while (left > 0) {
     const double time = kStart + 0.02 * i;
     const auto change = [&](const std::string& topic, auto message) {
       // Mostly one thing, or the first mistake would hide the others.
@@ -292,6 +293,7 @@ void giveMutated(unsigned seed, int count, const Give& give) {
     }
     if (i % 5 == 0) give("/tf", Drive::pose(time), time);
     if (i % 20 == 0) give(name + "/camera_info", drive.info(time, camera, false), time);
+    ++i;
   }
 }
 
