@@ -118,12 +118,19 @@ class TransformReader {
     collector_.addTransforms(message, true);
   }
 
+  /// The given poses up to `lead` after the stamp of a cloud; again from the first after a step back.
+  void givePosesTo(ros::Time stamp) {
+    if (stamp.isZero() || stamp > ros::TIME_MAX - lead_) return;
+    if (stamp + ros::Duration(1) < last_stamp_) pose_ = rig_.poses.begin();
+    last_stamp_ = stamp;
+    for (; pose_ != rig_.poses.end() && pose_->header.stamp <= stamp + lead_; ++pose_) {
+      collector_.addTransforms(messageOf(*pose_), false);
+    }
+  }
+
   /// All that were received up to `lead` after `time`, but not past a step back of their stamps.
   void readTo(ros::Time time) {
     if (time > ros::TIME_MAX - lead_) time = ros::TIME_MAX - lead_;
-    for (; pose_ != rig_.poses.end() && pose_->header.stamp <= time + lead_; ++pose_) {
-      collector_.addTransforms(messageOf(*pose_), false);
-    }
     for (; next_ != view_->end() && next_->getTime() <= time + lead_; ++next_) {
       const tf2_msgs::TFMessage message = read();
       if (next_->getTime() > time && stepsBack(message)) return;
@@ -160,6 +167,7 @@ class TransformReader {
   rosbag::View::iterator next_;
   const Rig& rig_;
   std::vector<geometry_msgs::TransformStamped>::const_iterator pose_;
+  ros::Time last_stamp_;
   std::set<std::string> above_;  ///< frames whose place the given poses tell, not tf
   ros::Duration lead_;
   Collector& collector_;
@@ -167,8 +175,8 @@ class TransformReader {
   std::map<std::string, ros::Time> last_;
 };
 
-/// Gives a message to the collector in the role that its topic has.
-void give(const rosbag::MessageInstance& message, const Rig& rig, Collector& collector, ClockWatch& clocks) {
+/// Gives a message to the collector in the role that its topic has. Returns the stamp of a cloud; 0 of others.
+ros::Time give(const rosbag::MessageInstance& message, const Rig& rig, Collector& collector, ClockWatch& clocks) {
   const std::string& topic = message.getTopic();
   const auto watch = [&](const auto& of) { clocks.add(topic, message.getTime(), of->header.stamp); };
   if (topic == rig.cloud) {
@@ -179,11 +187,12 @@ void give(const rosbag::MessageInstance& message, const Rig& rig, Collector& col
       const auto cloud = cloudFromLivox(bytes);
       watch(cloud);
       collector.addCloud(cloud);
+      return cloud->header.stamp;
     } else if (const auto cloud = message.instantiate<sensor_msgs::PointCloud2>()) {
       watch(cloud);
       collector.addCloud(cloud);
+      return cloud->header.stamp;
     }
-    return;
   }
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
     if (topic == rig.cameras[i].camera_info) {
@@ -198,6 +207,7 @@ void give(const rosbag::MessageInstance& message, const Rig& rig, Collector& col
       }
     }
   }
+  return {};
 }
 
 Strings sensorTopics(const Rig& rig) {
@@ -357,7 +367,7 @@ void BagSource::play(const Rig& rig, double tf_lead, Collector& collector, const
     ReadProgress progress(sensors->size(), callbacks);
     for (const rosbag::MessageInstance& message : *sensors) {
       tf.readTo(message.getTime());
-      give(message, rig, collector, clocks);
+      tf.givePosesTo(give(message, rig, collector, clocks));
       collector.process();
       progress.advance(pointsSeen(collector.stats()));
     }

@@ -53,6 +53,11 @@ struct CameraState {
   std::deque<ImageMessage> queue;
 };
 
+/// A tenth of what makes a new keyframe.
+TransformBuffer::Stillness stillness(const RecordParams& record) {
+  return {record.keyframe_distance / 10, record.keyframe_angle / 10};
+}
+
 std::string badStamp(ros::Time stamp) {
   return "the stamp of " + std::to_string(stamp.sec) + " s is out of range; look at the publisher's clock";
 }
@@ -79,7 +84,7 @@ struct Collector::Impl {
         events(std::move(events_in)),
         map_frame(withoutSlash(params_in.map_frame)),
         sensor_frame(withoutSlash(params_in.sensor_frame)),
-        transforms(std::max(kTfCache, 2 * params_in.tf_wait), params_in.tf_max_gap),
+        transforms(std::max(kTfCache, 2 * params_in.tf_wait), params_in.tf_max_gap, stillness(params_in.record)),
         writer(params_in.encode_threads, params_in.raw_image_format,
                [this](const PendingView& view) { viewKept(view); }) {
     params.check();
@@ -318,7 +323,7 @@ struct Collector::Impl {
     const bool is_shared = std::any_of(cameras.begin(), cameras.end(), [&](const CameraState& other) {
       return &other != &camera && other.info && other.info->header.frame_id == frame;
     });
-    if (is_shared || frame.find("left") != std::string::npos) return Eigen::Translation3d(camera.baseline);
+    if (is_shared) return Eigen::Translation3d(camera.baseline);
     std::ostringstream text;
     text << "P of camera_info places the camera " << camera.baseline.norm() << " m beside the frame " << frame
          << ", which no other camera has; the frame is taken as this camera's own";

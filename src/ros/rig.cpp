@@ -97,11 +97,12 @@ struct ImageTopic {
   std::string left_out;  ///< why; empty: it is taken
 };
 
-bool hasWord(const std::string& topic, const std::vector<std::string>& words) {
+/// The words of a topic; where the image has colours, whole parts of it only: a camera may be called depth_camera.
+bool hasWord(const std::string& topic, bool has_colors, const std::vector<std::string>& words) {
   std::string lower = topic, word;
   std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
   std::replace_if(
-      lower.begin(), lower.end(), [](unsigned char c) { return std::isalpha(c) == 0; }, ' ');
+      lower.begin(), lower.end(), [&](unsigned char c) { return has_colors ? c == '/' : std::isalpha(c) == 0; }, ' ');
   for (std::istringstream rest(lower); rest >> word;) {
     if (std::find(words.begin(), words.end(), word) != words.end()) return true;
   }
@@ -119,10 +120,12 @@ std::string whyNoColors(const ImageTopic& image) {
     return "holds depths";
   }
   if (isOfValues(encoding)) return "holds depths or other values (" + encoding + ")";
-  if (hasWord(image.topic, {"depth", "disparity"})) return "holds depths by its name";
-  if (hasWord(image.topic, {"infra", "infrared", "ir", "nir", "nearir"})) return "is infrared by its name";
-  if (hasWord(image.topic, {"thermal", "lwir", "flir"}) && isGrey(encoding)) return "is thermal by its name";
-  if (hasWord(image.topic, {"mask", "label", "labels", "segmentation", "confidence", "reflec", "reflectivity"})) {
+  const bool has_colors = !encoding.empty() && !isGrey(encoding);
+  const auto named = [&](const std::vector<std::string>& words) { return hasWord(image.topic, has_colors, words); };
+  if (named({"depth", "disparity"})) return "holds depths by its name";
+  if (named({"infra", "infrared", "ir", "nir", "nearir"})) return "is infrared by its name";
+  if (!has_colors && named({"thermal", "lwir", "flir"})) return "is thermal by its name";
+  if (hasWord(image.topic, false, {"mask", "label", "labels", "segmentation", "confidence"})) {
     return "holds no colours by its name";
   }
   return {};

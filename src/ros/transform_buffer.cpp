@@ -49,8 +49,8 @@ std::string withoutSlash(const std::string& frame) {
   return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
 }
 
-TransformBuffer::TransformBuffer(double cache, double max_gap)
-    : buffer_(ros::Duration(cache)), cache_(cache), max_gap_(max_gap) {}
+TransformBuffer::TransformBuffer(double cache, double max_gap, const Stillness& stillness)
+    : buffer_(ros::Duration(cache)), cache_(cache), max_gap_(max_gap), stillness_(stillness) {}
 
 std::string TransformBuffer::add(const geometry_msgs::TransformStamped& transform, bool is_static) {
   const std::string &child = transform.child_frame_id, &parent = transform.header.frame_id;
@@ -126,12 +126,20 @@ void TransformBuffer::checkGaps(const std::string& target, const std::string& so
     const auto after = std::lower_bound(stamps.begin(), stamps.end(), stamp);
     if (after == stamps.begin() || after == stamps.end() || *after == stamp) continue;
     const double gap = after->toSec() - std::prev(after)->toSec();
-    if (gap <= max_gap_ + kSlack) continue;
+    if (gap <= max_gap_ + kSlack || standsStill(child, *std::prev(after), *after)) continue;
     std::ostringstream text;
     text << "tf of " << child << " has a gap of " << gap << " s, longer than tf_max_gap = " << max_gap_
          << "; raise it if the pose may be interpolated over that time";
     throw Refused{Outcome::kNoTransform, text.str()};
   }
+}
+
+bool TransformBuffer::standsStill(const std::string& child, ros::Time before, ros::Time after) const {
+  const std::string& parent = edges_.at(child).parent;
+  const Isometry first = isometryOf(buffer_.lookupTransform(parent, child, before).transform);
+  const Isometry moved = first.inverse() * isometryOf(buffer_.lookupTransform(parent, child, after).transform);
+  const double angle = Eigen::AngleAxisd(moved.linear()).angle() * 180 / M_PI;
+  return moved.translation().norm() <= stillness_.distance && angle <= stillness_.angle;
 }
 
 std::string TransformBuffer::frames() const {

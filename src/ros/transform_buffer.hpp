@@ -32,9 +32,16 @@ std::string withoutSlash(const std::string& frame);
 
 class TransformBuffer {
  public:
+  /// What a frame may do between two transforms and be interpolated all the same, however far they are apart: a
+  /// correction that comes once a second, or a vehicle that stands.
+  struct Stillness {
+    double distance = 0;  ///< m
+    double angle = 0;     ///< deg
+  };
+
   /// `cache` [s] of transforms are kept. Between two transforms of a frame that lie more than `max_gap` [s] apart
   /// nothing is interpolated; 0: any gap is bridged.
-  TransformBuffer(double cache, double max_gap);
+  TransformBuffer(double cache, double max_gap, const Stillness& stillness);
 
   /// Takes a transform; one that is there already is passed over. Returns a warning where it contradicts an earlier one
   /// (a static transform with other numbers, a frame with two parents), else an empty text.
@@ -62,10 +69,12 @@ class TransformBuffer {
   void checkGaps(const std::string& target, const std::string& source, ros::Time stamp) const;
   std::string whyUnknown(const std::string& target, const std::string& source) const;
   std::string frames() const;  ///< "base_link, lidar, map"
+  bool standsStill(const std::string& child, ros::Time before, ros::Time after) const;
   std::set<std::string> wayToRoot(const std::string& frame) const;
 
   tf2::BufferCore buffer_;
-  double cache_, max_gap_;             ///< s
+  double cache_, max_gap_;  ///< s
+  Stillness stillness_;
   std::map<std::string, Edge> edges_;  ///< by child
   std::set<std::string> names_;
 };

@@ -100,6 +100,12 @@ TEST(GuessRig, OnlyCamerasWithColoursAreTaken) {
   EXPECT_TRUE(contains(describeRig(rig), "left out: /zed/image holds depths"));
 }
 
+TEST(GuessRig, ACameraOfColoursMayHaveTheNameOfAnother) {
+  const TopicTypes topics = {
+      {"/points", kCloud}, {"/depth_camera/color/image_raw", kImage}, {"/depth_camera/color/camera_info", kInfo}};
+  EXPECT_EQ(camerasOf(topics, {{"/depth_camera/color/image_raw", "rgb8"}}).size(), 1U);
+}
+
 TEST(GuessRig, GreyCamerasAreTakenWhereThereAreNoOthers) {
   const TopicTypes topics = {{"/points", kCloud}, {"/left/image", kImage}, {"/left/camera_info", kInfo}};
   EXPECT_EQ(camerasOf(topics, {{"/left/image", "mono8"}}), std::vector<std::string>{"/left/image"});

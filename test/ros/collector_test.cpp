@@ -200,6 +200,16 @@ TEST_F(CollectorTest, NothingIsInterpolatedAcrossAGapOfTf) {
   EXPECT_TRUE(logged("tf of base has a gap of 2 s"));
 }
 
+TEST_F(CollectorTest, AFrameThatStandsStillMayHaveGaps) {
+  for (const double stamp : {10.0, 11.0, 12.0}) {
+    collector().addTransforms(transformMessage("map", "base", stamp, 1 + 0.01 * stamp), false);
+  }
+  addCloud(10.5);
+  addCloud(11.5);
+  finished();
+  EXPECT_EQ(cloudCount(Outcome::kKept), 2U);
+}
+
 TEST_F(CollectorTest, AGapMayBeAllowed) {
   params_.tf_max_gap = 0;
   drive(10, 11);

@@ -51,6 +51,7 @@ class NodeProcess {
     for (std::string& arg : all) argv.push_back(arg.data());
     argv.push_back(nullptr);
     if (freopen(log.c_str(), "a", stdout) == nullptr || dup2(STDOUT_FILENO, STDERR_FILENO) < 0) _exit(126);
+    setenv("ROSCONSOLE_STDOUT_LINE_BUFFERED", "1", 1);  // or the log is a buffer behind
     execv(argv[0], argv.data());
     _exit(127);
   }

@@ -41,7 +41,7 @@ struct CollectorParams {
   std::string map_frame = "map";
   std::string sensor_frame;      ///< frame from which ranges are measured; empty: the cloud's own
   double tf_wait = 2;            ///< s of message time that a message waits for its transform
-  double tf_max_gap = 0.5;       ///< s between two transforms of a frame that may be interpolated; 0: any
+  double tf_max_gap = 0.5;       ///< s between two transforms of a frame that moves, which may be interpolated; 0: any
   double cloud_time_offset = 0;  ///< s, added to the stamps of the clouds
   /// ppm, png or jpg, of raw images. ppm is the default because OpenCV 4.6 needs about 200 ms for a 1 Mpixel PNG (1.6
   /// ms for a PPM, 11 ms for a JPEG), and 20 such images may come in a second.

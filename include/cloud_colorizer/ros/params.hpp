@@ -37,7 +37,7 @@ void visitCollectorParams(CollectorParamsT& p, F&& f) {
   f("map_frame", p.map_frame, "frame in which the map is built");
   f("sensor_frame", p.sensor_frame, "frame from which ranges are measured; empty: that of the cloud");
   f("tf_wait", p.tf_wait, "s of message time that a cloud or an image waits for its transform");
-  f("tf_max_gap", p.tf_max_gap, "s between two transforms of a frame that may be interpolated; 0: any");
+  f("tf_max_gap", p.tf_max_gap, "s between two transforms of a frame that moves, which may be interpolated; 0: any");
   f("cloud_time_offset", p.cloud_time_offset, "s added to the cloud stamps");
   f("raw_image_format", p.raw_image_format,
     "ppm (fast), png (half the size, slow) or jpg (small, lossy): how raw images are kept");
