@@ -12,7 +12,7 @@
 
 namespace cloud_colorizer {
 
-extern const OptionSpec kConfigOption, kPosesOption, kPosesFrameOption;  ///< --config rig.yaml
+extern const OptionSpec kConfigOption, kPosesOption, kPosesFrameOption;
 
 /// Records the bags in a directory, by --config and the collector's parameters of the line (CommandLine::others).
 /// `events.log` is set. Throws UsageError on a parameter that is unknown or refused; what BagSource throws.

@@ -9,11 +9,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <set>
-#include <sstream>
 
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
@@ -175,20 +173,21 @@ class TransformReader {
   std::map<std::string, ros::Time> last_;
 };
 
+/// Null where the message is no cloud.
+sensor_msgs::PointCloud2ConstPtr cloudOf(const rosbag::MessageInstance& message) {
+  if (!isLivoxType(message.getDataType())) return message.instantiate<sensor_msgs::PointCloud2>();
+  std::vector<std::uint8_t> bytes(message.size());
+  ros::serialization::OStream stream(bytes.data(), message.size());
+  message.write(stream);
+  return cloudFromLivox(bytes);
+}
+
 /// Gives a message to the collector in the role that its topic has. Returns the stamp of a cloud; 0 of others.
 ros::Time give(const rosbag::MessageInstance& message, const Rig& rig, Collector& collector, ClockWatch& clocks) {
   const std::string& topic = message.getTopic();
   const auto watch = [&](const auto& of) { clocks.add(topic, message.getTime(), of->header.stamp); };
   if (topic == rig.cloud) {
-    if (isLivoxType(message.getDataType())) {
-      std::vector<std::uint8_t> bytes(message.size());
-      ros::serialization::OStream stream(bytes.data(), message.size());
-      message.write(stream);
-      const auto cloud = cloudFromLivox(bytes);
-      watch(cloud);
-      collector.addCloud(cloud);
-      return cloud->header.stamp;
-    } else if (const auto cloud = message.instantiate<sensor_msgs::PointCloud2>()) {
+    if (const sensor_msgs::PointCloud2ConstPtr cloud = cloudOf(message)) {
       watch(cloud);
       collector.addCloud(cloud);
       return cloud->header.stamp;
@@ -265,14 +264,6 @@ std::vector<geometry_msgs::TransformStamped> fixedTransforms(rosbag::View& view)
   return fixed;
 }
 
-std_msgs::Header headerOf(const rosbag::MessageInstance& message) {
-  if (const auto cloud = message.instantiate<sensor_msgs::PointCloud2>()) return cloud->header;
-  std::vector<std::uint8_t> bytes(message.size());
-  ros::serialization::OStream stream(bytes.data(), message.size());
-  message.write(stream);
-  return cloudFromLivox(bytes)->header;
-}
-
 /// A camera_info that comes once, or late, holds for the images before it.
 void giveFirstInfos(const Rig& rig, const std::function<std::unique_ptr<rosbag::View>(const Strings&)>& view,
                     Collector& collector) {
@@ -339,8 +330,8 @@ void BagSource::addPoses(const std::string& file, const std::string& map_frame, 
   guarded(impl_->names, [&] {
     const auto view = impl_->view({rig.cloud});
     for (const rosbag::MessageInstance& message : *view) {
-      clouds.push_back(headerOf(message));
-      if (!needs_stamps) break;
+      if (const auto cloud = cloudOf(message)) clouds.push_back(cloud->header);
+      if (!needs_stamps && !clouds.empty()) break;
     }
   });
   require(!clouds.empty(), "the bag has no cloud on ", rig.cloud);

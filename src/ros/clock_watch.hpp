@@ -4,16 +4,21 @@
 
 #include <ros/time.h>
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "base/robust.hpp"
 #include "cloud_colorizer/base/types.hpp"
 
 namespace cloud_colorizer {
+
+/// A word about offsets [s] that are within `tolerance` of the one of PTP clocks that nobody corrected; else empty.
+inline const char* hintOfTai(double offset, double tolerance) {
+  return std::abs(std::abs(offset) - 37) < tolerance ? " (37 s lie between TAI, the time of PTP, and UTC)" : "";
+}
 
 /// Tells of topics whose stamps are seconds away from those of tf by the times of receipt, as with PTP without UTC.
 class ClockWatch {
@@ -23,7 +28,7 @@ class ClockWatch {
     if (!stamp.isZero() && delays.size() < kMost) delays.push_back(receipt.toSec() - stamp.toSec());
   }
 
-  /// `tf`: the topic that the others are compared with.
+  /// `tf_topic`: the topic that the others are compared with.
   void warn(const std::string& tf_topic, const Callbacks& callbacks) const {
     const auto tf = delays_.find(tf_topic);
     if (tf == delays_.end() || tf->second.empty() || !callbacks.log) return;
@@ -35,8 +40,8 @@ class ClockWatch {
       text.precision(4);
       text << topic << ": its stamps are " << std::abs(offset) << " s " << (offset > 0 ? "behind" : "ahead of")
            << " those of tf that were received at the same time";
-      if (std::abs(std::abs(offset) - 37) < 1) text << " (37 s lie between TAI, the time of PTP, and UTC)";
-      text << "; if its clock differs, set its time offset (cloud_time_offset, camera_<i>/time_offset) to " << offset;
+      text << hintOfTai(offset, 1)
+           << "; if its clock differs, set its time offset (cloud_time_offset, camera_<i>/time_offset) to " << offset;
       callbacks.log(LogLevel::kWarning, text.str());
     }
   }
@@ -44,12 +49,6 @@ class ClockWatch {
  private:
   static constexpr std::size_t kMost = 200;  // messages of a topic
   static constexpr double kNoticed = 10.0;   // s; mapping programs send their poses some seconds late
-
-  static double median(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  }
 
   std::map<std::string, std::vector<double>> delays_;  ///< s, from stamp to receipt
 };

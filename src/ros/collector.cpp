@@ -169,10 +169,6 @@ struct Collector::Impl {
 
   // ---- transforms ----
 
-  Isometry lookUp(const std::string& target, const std::string& source, ros::Time stamp) const {
-    return transforms.lookUp(target, source, stamp);
-  }
-
   /// In integers: a double of today's seconds is 0.2 us coarse, and the last transform is at the message's exact stamp.
   static ros::Time shifted(ros::Time stamp, double offset) {
     if (stamp.toSec() + offset <= 0) {
@@ -221,8 +217,8 @@ struct Collector::Impl {
     const std::string frame = withoutSlash(message.header.frame_id);
     if (frame.empty()) throw Refused{Outcome::kMalformed, "the header's frame_id is empty"};
     const std::string sensor = sensorOf(frame);
-    const Isometry map_from_sensor = lookUp(map_frame, sensor, stamp);
-    const Isometry sensor_from_cloud = lookUp(sensor, frame, stamp);
+    const Isometry map_from_sensor = transforms.lookUp(map_frame, sensor, stamp);
+    const Isometry sensor_from_cloud = transforms.lookUp(sensor, frame, stamp);
     Cloud cloud;
     try {
       cloud = cloudFromMessage(message);
@@ -387,7 +383,7 @@ struct Collector::Impl {
     std::string frame = withoutSlash(image.header.frame_id);
     if (frame.empty()) frame = withoutSlash(camera.info->header.frame_id);
     if (frame.empty()) throw Refused{Outcome::kMalformed, "neither the image nor its camera_info has a frame_id"};
-    view.map_from_camera = lookUp(map_frame, frame, stamp) * offsetInFrame(camera);
+    view.map_from_camera = transforms.lookUp(map_frame, frame, stamp) * offsetInFrame(camera);
     if (isRecorded(camera, view)) return Outcome::kRecordedBefore;
     if (!isKeyframe(camera, view.map_from_camera)) return Outcome::kNotKeyframe;
 

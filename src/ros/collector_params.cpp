@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 #include <stdexcept>
 
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/collector.hpp"
+#include "ros/clock_watch.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -24,8 +24,7 @@ std::string describeClock(const StreamStats& stream, const StampRange& tf, const
   out.precision(3);
   out << "; its stamps run from " << stream.stamps.first << " to " << stream.stamps.last << " s, those of tf from "
       << tf.first << " to " << tf.last << " s: another clock. " << param << "=" << offset
-      << " fits if both begin together";
-  if (std::abs(std::abs(offset) - 37) < 2) out << " (37 s lie between TAI, the time of PTP, and UTC)";
+      << " fits if both begin together" << hintOfTai(offset, 2);
   return out.str();
 }
 

@@ -15,13 +15,12 @@
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/bag_source.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
+#include "ros/livox.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
 const char* const kCloud = "sensor_msgs/PointCloud2";
-const char* const kLivox = "livox_ros_driver/CustomMsg";
-const char* const kLivox2 = "livox_ros_driver2/CustomMsg";
 const char* const kImage = "sensor_msgs/Image";
 const char* const kCompressed = "sensor_msgs/CompressedImage";
 const char* const kInfo = "sensor_msgs/CameraInfo";
@@ -99,8 +98,7 @@ struct ImageTopic {
 
 /// The words of a topic; where the image has colours, whole parts of it only: a camera may be called depth_camera.
 bool hasWord(const std::string& topic, bool has_colors, const std::vector<std::string>& words) {
-  std::string lower = topic, word;
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::string lower = lowerCase(topic), word;
   std::replace_if(
       lower.begin(), lower.end(), [&](unsigned char c) { return has_colors ? c == '/' : std::isalpha(c) == 0; }, ' ');
   for (std::istringstream rest(lower); rest >> word;) {
@@ -186,7 +184,8 @@ Rig readRig(const std::string& file, const TopicTypes& topics) {
   } catch (const YAML::Exception& error) {
     throw std::runtime_error(file + ": " + error.what());
   }
-  if (!hasType(topics, rig.cloud, {kLivox, kLivox2})) checkTopic(topics, rig.cloud, {kCloud}, file);
+  const auto cloud = topics.find(rig.cloud);
+  if (cloud == topics.end() || !isLivoxType(cloud->second)) checkTopic(topics, rig.cloud, {kCloud}, file);
   if (!rig.odometry.empty()) checkTopic(topics, rig.odometry, {kOdometry, kPose}, file);
   for (const RigCamera& camera : rig.cameras) {
     checkTopic(topics, camera.image, {kImage, kCompressed}, file);
@@ -199,11 +198,11 @@ Rig guessRig(const TopicTypes& topics, const FormatOf& format_of) {
   Rig rig;
   std::vector<ImageTopic> images;
   for (const auto& [topic, type] : topics) {  // in alphabetical order: a raw topic comes before its compressed one
-    if (type == kCloud || type == kLivox || type == kLivox2) {
+    if (type == kCloud || isLivoxType(type)) {
       if (!rig.cloud.empty()) failToGuess("The bag has more than one cloud topic.", topics);
       rig.cloud = topic;
     }
-    if ((type != kImage && type != kCompressed)) continue;
+    if (type != kImage && type != kCompressed) continue;
     const std::string info = siblingInfo(topic);
     if (!hasType(topics, info, {kInfo})) continue;
     images.push_back({topic, info, format_of ? format_of(topic) : "", ""});

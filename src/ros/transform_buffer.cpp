@@ -7,9 +7,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <sstream>
+
+#include "base/text.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -151,8 +152,7 @@ std::string TransformBuffer::frames() const {
 std::string TransformBuffer::scannerFrame() const {
   std::string found;
   for (const std::string& name : names_) {
-    std::string lower = name;
-    std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string lower = lowerCase(name);
     const bool is_scanner = std::any_of(kScanners.begin(), kScanners.end(),
                                         [&](const char* word) { return lower.find(word) != std::string::npos; });
     if (!is_scanner) continue;

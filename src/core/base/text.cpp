@@ -107,11 +107,14 @@ bool endsWith(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-std::string lowerExtension(const std::string& path) {
-  auto extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
+std::string lowerCase(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
+  return text;
+}
+
+std::string lowerExtension(const std::string& path) {
+  return lowerCase(std::filesystem::path(path).extension().string());
 }
 
 }  // namespace cloud_colorizer

@@ -26,6 +26,8 @@ std::string join(const std::vector<std::string>& words, const std::string& separ
 
 bool endsWith(const std::string& text, const std::string& end);
 
+std::string lowerCase(std::string text);
+
 /// Of a path, in lower case, with its dot.
 std::string lowerExtension(const std::string& path);
 

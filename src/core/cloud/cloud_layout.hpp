@@ -31,7 +31,7 @@ enum class Encoding { kAscii, kBinary, kBinaryBigEndian, kCompressed };
 /// A list in every point, of any length, that is passed over.
 struct SkippedList {
   std::size_t before = 0;  ///< index of the field that follows it
-  FieldType length_type = FieldType::kUint8, item_type = FieldType::kFloat32;
+  FieldType length_type = FieldType::kUint8;
   std::size_t item_size = 0;  ///< bytes
 };
 

@@ -31,8 +31,7 @@ Eigen::Vector3d readOrigin(const std::string& path) {
 
 CloudHeader readHeader(BlockReader& input) {
   const auto extension = lowerExtension(input.path());
-  require(extension != ".laz", "cannot read ", input.path(), ", which is compressed; convert it: laszip -i ",
-          input.path(), " -o cloud.las, or pdal translate ", input.path(), " cloud.las");
+  require(extension != ".laz", "cannot read ", input.path(), ", which is compressed", remedyOfLaz(input.path()));
   require(extension == ".ply" || extension == ".pcd" || extension == ".las", "cannot read ", input.path(),
           ": its extension must be .ply, .pcd or .las");
   if (extension == ".las") return readLasHeader(input);

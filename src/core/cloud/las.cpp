@@ -7,8 +7,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <map>
-#include <optional>
 #include <set>
 
 #include "cloud_colorizer/base/check.hpp"
@@ -19,21 +17,22 @@ namespace {
 constexpr std::size_t kHeaderSize = 375;  // bytes, of version 1.4
 constexpr std::size_t kVlrSize = 54;      // bytes before what a variable length record holds
 constexpr std::size_t kExtraSize = 192;   // bytes that describe one field of extra bytes
+constexpr std::size_t kReturnFlags = 14;  // offset in a point of any format
 
 struct Slot {
   const char* name;
   FieldType type;
   std::size_t offset;
 };
-using Slots = std::vector<Slot>;
-
-/// Where the fields of a point format lie, x, y and z first; the last entry is its size.
+/// Where the fields of a point format lie, x, y and z first.
 struct PointFormat {
-  Slots slots;
+  std::vector<Slot> slots;
+  std::size_t colors = 0;  ///< offset of red, green and blue; 0: it has none
   std::size_t size = 0;
 };
 
 void addColors(PointFormat& format) {
+  format.colors = format.size;
   for (const char* name : {"red", "green", "blue"}) {
     format.slots.push_back({name, FieldType::kUint16, format.size});
     format.size += 2;
@@ -148,6 +147,10 @@ std::vector<char> readExtraRecord(BlockReader& input, std::uint32_t num_records)
 
 }  // namespace
 
+std::string remedyOfLaz(const std::string& path) {
+  return "; convert it: laszip -i " + path + " -o cloud.las, or pdal translate " + path + " cloud.las";
+}
+
 CloudHeader readLasHeader(BlockReader& input) {
   const std::string& path = input.path();
   constexpr std::size_t kOldHeader = 227;
@@ -160,9 +163,8 @@ CloudHeader readLasHeader(BlockReader& input) {
   const auto points_at = at<std::uint32_t>(head, 96);
   const auto format_byte = at<std::uint8_t>(head, 104);
   const auto stride = at<std::uint16_t>(head, 105);
-  require((format_byte & 0xC0U) == 0, path,
-          " is compressed (LAZ), which this program does not read; convert it: ", "laszip -i ", path,
-          " -o cloud.las, or pdal translate ", path, " cloud.las");
+  require((format_byte & 0xC0U) == 0, path, " is compressed (LAZ), which this program does not read",
+          remedyOfLaz(path));
   require(format_byte <= 10, path, ": the point format ", static_cast<int>(format_byte),
           " is unknown; 0 to 10 are known");
   require(header_size >= kOldHeader && header_size <= file_size && points_at >= header_size && points_at <= file_size,
@@ -260,17 +262,13 @@ LasFormat::LasFormat(const std::vector<Field>& fields, std::uint64_t num_points,
   std::size_t from = 0;
   for (const Field& field : fields) {
     const std::size_t size = sizeOf(field.type);
+    // The places of the colours are for rgb; those of both formats are the last.
     const auto slot = std::find_if(format.slots.begin(), format.slots.end(), [&](const Slot& s) {
-      return s.name == field.name && s.type == field.type && field.count == 1;
+      return s.name == field.name && s.type == field.type && field.count == 1 && s.offset < format.colors;
     });
     if (field.name == "rgb" && size == 4 && field.count == 1) {  // 0x00RRGGBB, little endian; 257 times each
-      const Slot& red = *std::find_if(format.slots.begin(), format.slots.end(),
-                                      [](const Slot& s) { return std::string(s.name) == "red"; });
-      for (std::size_t channel = 0; channel < 3; ++channel) {
-        for (std::size_t byte = 0; byte < 2; ++byte) runs_.add(from + 2 - channel, red.offset + 2 * channel + byte, 1);
-      }
-    } else if (slot != format.slots.end() && std::string(slot->name) != "red" && std::string(slot->name) != "green" &&
-               std::string(slot->name) != "blue") {
+      for (std::size_t byte = 0; byte < 6; ++byte) runs_.add(from + 2 - byte / 2, format.colors + byte, 1);
+    } else if (slot != format.slots.end()) {
       runs_.add(from, slot->offset, size);
     } else {
       for (std::uint32_t i = 0; i < field.count; ++i) {
@@ -334,7 +332,7 @@ void LasFormat::pack(const Cloud& cloud, std::size_t first, std::size_t num_poin
       const auto whole = static_cast<std::int32_t>(std::llround(std::clamp(steps[axis], -kMost, kMost)));
       std::memcpy(target + 4 * axis, &whole, sizeof whole);
     }
-    target[flags_at_] = flags_;
+    target[kReturnFlags] = flags_;
     runs_.copy(record, target);
   }
 }

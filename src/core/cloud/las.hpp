@@ -15,6 +15,9 @@
 
 namespace cloud_colorizer {
 
+/// "; convert it: ..." with the commands that make a .las of a .laz.
+std::string remedyOfLaz(const std::string& path);
+
 /// Reads the header; the reader then stands at the first point. Fields: intensity, classification, scan_angle,
 /// user_data, point_source_id, gps_time, red, green, blue (16 bits), nir, and the extra bytes under their names;
 /// numbers and flags of returns are left out. Throws std::runtime_error with file, reason and remedy.
@@ -38,7 +41,7 @@ class LasFormat {
   double step_ = 1;  ///< m
   Eigen::Vector3d offset_;
   std::string header_;
-  std::size_t size_ = 0, flags_at_ = 14;
+  std::size_t size_ = 0;
   std::uint8_t flags_ = 0;  ///< the only return of its pulse
   ByteRuns runs_;
 };

@@ -194,8 +194,7 @@ CloudHeader readPlyHeader(BlockReader& input) {
   header.num_points = vertex->count;
   for (const auto& property : vertex->properties) {
     if (property.is_list) {
-      const FieldType type = property.value.field.type;
-      header.lists.push_back({header.fields.size(), property.length_type, type, sizeOf(type)});
+      header.lists.push_back({header.fields.size(), property.length_type, sizeOf(property.value.field.type)});
     } else {
       header.fields.push_back(property.value);
     }

@@ -12,6 +12,7 @@
 #include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "exchange/colmap_entries.hpp"
+#include "exchange/text_lines.hpp"
 
 namespace cloud_colorizer {
 
@@ -129,13 +130,7 @@ Intrinsics intrinsicsOf(const ColmapEntries::Camera& camera) {
 }
 
 Eigen::Isometry3d isometryOf(const ColmapEntries::Pose& pose, const std::string& where) {
-  require(std::abs(pose.rotation.norm() - 1) < 0.01, where, ": its quaternion has the norm ", pose.rotation.norm(),
-          ", which must be 1");
-  require(pose.translation.allFinite(), where, ": its translation is not finite");
-  Eigen::Isometry3d isometry = Eigen::Isometry3d::Identity();
-  isometry.linear() = pose.rotation.normalized().toRotationMatrix();
-  isometry.translation() = pose.translation;
-  return isometry;
+  return checkedPose(pose.rotation, pose.translation, where);
 }
 
 /// camera_from_map by image id, as the frames say it.

@@ -4,13 +4,12 @@
 /// colmap_entries.hpp: the text files.
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <fstream>
 
 #include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "exchange/colmap_entries.hpp"
+#include "exchange/text_lines.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -21,45 +20,10 @@ long long parseId(const std::string& word, const std::string& where) {
   return id;
 }
 
-double parseNumber(const std::string& word, const std::string& where) {
-  double number = 0;
-  require(parseDouble(word, number) && std::isfinite(number), where, ": \"", word, "\" is no number");
-  return number;
-}
-
 bool isNumber(const std::string& word) {
   double number = 0;
   return parseDouble(word, number);
 }
-
-/// The lines of a text file, with their numbers for messages.
-class LineFile {
- public:
-  explicit LineFile(const std::string& path) : path_(path), stream_(path) {
-    require(stream_.is_open(), "cannot open ", path);
-  }
-  bool next(std::string& line) {
-    ++number_;
-    return static_cast<bool>(std::getline(stream_, line));
-  }
-  /// The next line that is neither empty nor a comment.
-  bool nextEntry(std::string& line) {
-    while (next(line)) {
-      if (isEntry(line)) return true;
-    }
-    return false;
-  }
-  static bool isEntry(const std::string& line) {
-    const auto first = line.find_first_not_of(" \t\r");
-    return first != std::string::npos && line[first] != '#';
-  }
-  std::string where() const { return path_ + " line " + std::to_string(number_); }
-
- private:
-  std::string path_;
-  std::ifstream stream_;
-  std::size_t number_ = 0;
-};
 
 /// The words of a line, one after the other.
 class Words {
@@ -71,7 +35,7 @@ class Words {
     return words_[at_++];
   }
   long long nextId() { return parseId(next(), where_); }
-  double nextNumber() { return parseNumber(next(), where_); }
+  double nextNumber() { return finiteNumber(next(), where_); }
   ColmapEntries::Pose nextPose() {
     double v[7];
     for (double& value : v) value = nextNumber();

@@ -122,6 +122,7 @@ std::size_t countSeen(const ColmapModel& model, const std::vector<Eigen::Vector3
 /// the images look past the cloud.
 void checkPoses(const ColmapModel& model, const Extent& extent, const Callbacks& callbacks) {
   constexpr double kMuchMore = 1.3;
+  if (!callbacks.log) return;
   using Isometry = Eigen::Isometry3d;
   const auto seen = static_cast<double>(countSeen(model, extent.samples, [](const Isometry& pose) { return pose; }));
   const auto reordered = static_cast<double>(countSeen(model, extent.samples, [](const Isometry& pose) {
@@ -132,17 +133,15 @@ void checkPoses(const ColmapModel& model, const Extent& extent, const Callbacks&
   }));
   const auto inverted =
       static_cast<double>(countSeen(model, extent.samples, [](const Isometry& pose) { return pose.inverse(); }));
-  if (!callbacks.log || seen * kMuchMore >= std::max(reordered, inverted)) {
-    if (callbacks.log && seen == 0) {
-      callbacks.log(LogLevel::kWarning,
-                    "no image looks at the cloud: do the model and the cloud belong together, in one "
-                    "frame and scale?");
-    }
-    return;
+  const double best = std::max(reordered, inverted);
+  if (seen == 0 && best == 0) {
+    callbacks.log(LogLevel::kWarning,
+                  "no image looks at the cloud: do the model and the cloud belong together, in one frame and scale?");
   }
+  if (seen * kMuchMore >= best) return;
   std::ostringstream text;
-  text << "the images would see " << std::max(reordered, inverted) / std::max(seen, 1.0)
-       << " times as much of the cloud if the poses in " << model.directory
+  text << "the images would see " << best / std::max(seen, 1.0) << " times as much of the cloud if the poses in "
+       << model.directory
        << (reordered > inverted ? " were x y z w: COLMAP's quaternions are w x y z"
                                 : " were inverted: COLMAP's poses are camera from map")
        << "; look at the program that wrote them";

@@ -3,10 +3,10 @@
 #include "cloud_colorizer/exchange/trajectory_file.hpp"
 
 #include <cmath>
-#include <fstream>
 
 #include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
+#include "exchange/text_lines.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -43,23 +43,18 @@ Eigen::Isometry3d poseOfMatrix(const std::vector<double>& v, const std::string& 
 }  // namespace
 
 std::vector<TrajectoryPose> readTrajectory(const std::string& path) {
-  std::ifstream stream(path);
-  require(stream.is_open(), "cannot open the poses ", path);
+  LineFile file(path);
   std::vector<TrajectoryPose> poses;
-  std::size_t number = 0, num_words = 0;
-  for (std::string line; std::getline(stream, line);) {
-    const std::string where = path + " line " + std::to_string(++number);
+  std::size_t num_words = 0;
+  for (std::string line; file.nextEntry(line);) {
+    const std::string where = file.where();
     const auto words = splitWords(line);
-    if (words.empty() || words[0][0] == '#') continue;
     if (num_words == 0) num_words = words.size();
     require(words.size() == num_words && (num_words == kTum || num_words == kKitti), where, ": ", words.size(),
             " numbers; a pose is `stamp x y z qx qy qz qw` (TUM) or the 12 numbers of a matrix (KITTI)");
     std::vector<double> v;
-    for (const std::string& word : words) {
-      double value = 0;
-      require(parseDouble(word, value) && std::isfinite(value), where, ": \"", word, "\" is no number");
-      v.push_back(value);
-    }
+    v.reserve(words.size());
+    for (const std::string& word : words) v.push_back(finiteNumber(word, where));
     TrajectoryPose pose;
     if (num_words == kKitti) {
       pose.map_from_base = poseOfMatrix(v, where);
@@ -67,11 +62,7 @@ std::vector<TrajectoryPose> readTrajectory(const std::string& path) {
       pose.stamp = nanoseconds(words[0], where);
       require(poses.empty() || *poses.back().stamp < *pose.stamp, where,
               ": its stamp is not after that of the pose before");
-      const Eigen::Quaterniond rotation(v[7], v[4], v[5], v[6]);
-      require(std::abs(rotation.norm() - 1) < 0.01, where, ": its quaternion has the norm ", rotation.norm(),
-              ", which must be 1");
-      pose.map_from_base.linear() = rotation.normalized().toRotationMatrix();
-      pose.map_from_base.translation() = Eigen::Vector3d(v[1], v[2], v[3]);
+      pose.map_from_base = checkedPose({v[7], v[4], v[5], v[6]}, {v[1], v[2], v[3]}, where);
     }
     poses.push_back(pose);
   }
