@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
       {"cloud", "FILE", "the map, .ply, .pcd or .las", true},
       {"images", "DIR", "folder of the images that the model names", true},
       {"model", "DIR", "folder of a COLMAP model, binary or text (also the folder around its sparse/0)", true},
+      {"masks", "DIR", "folder of masks, NAME.png for the image NAME, black where it must not colour", false},
       {"output", "FILE", "the coloured map, .ply, .pcd or .las", true},
       {"recording", "DIR", "keep the recording here instead of in a temporary folder", false},
       kWriteModelOption};
@@ -44,8 +45,9 @@ int main(int argc, char** argv) {
       throw UsageError("--write-model would replace the --model that is read; give it another folder");
     }
     RecordingFolder scratch(line.option("recording"), line.option("output"), callbacks);
-    const Recording recording = importModel({line.option("cloud"), line.option("images"), line.option("model")},
-                                            scratch.path(), line.params.record, callbacks);
+    const Recording recording =
+        importModel({line.option("cloud"), line.option("images"), line.option("model"), line.option("masks")},
+                    scratch.path(), line.params.record, callbacks);
     scratch.setWhole();
     const auto names = writes_model ? imageNames(line.option("model")) : std::vector<std::string>{};
     const ColorizeSummary summary = colorAndSave(recording, line, callbacks, names);

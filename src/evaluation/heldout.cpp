@@ -155,8 +155,8 @@ class Heldout {
   std::vector<HeldoutErrors> scoreView(std::size_t number) const {
     const View& recorded = recording_.views()[number];
     const Camera camera(recording_.cameras()[recorded.camera].intrinsics);
-    const HeldoutView view{recorded, camera, recording_.readImage(number), recording_.readMask(recorded.camera),
-                           emptyAt(recorded)};
+    const ViewPixels pixels = recording_.readPixels(number);
+    const HeldoutView view{recorded, camera, pixels.image, pixels.mask, emptyAt(recorded)};
     const SeenImage seen = view.at(points(), surfels_, params_.params);
     const std::vector<std::uint8_t> moved = movedPoints(*median_, seen, params_.moved_error);
     std::vector<HeldoutErrors> errors;

@@ -182,6 +182,16 @@ sensor_msgs::PointCloud2ConstPtr cloudOf(const rosbag::MessageInstance& message)
   return cloudFromLivox(bytes);
 }
 
+/// Calls f with an image of either kind; not where the message is none.
+template <class F>
+void withImage(const rosbag::MessageInstance& message, const F& f) {
+  if (const auto image = message.instantiate<sensor_msgs::Image>()) {
+    f(image);
+  } else if (const auto compressed = message.instantiate<sensor_msgs::CompressedImage>()) {
+    f(compressed);
+  }
+}
+
 /// Gives a message to the collector in the role that its topic has. Returns the stamp of a cloud; 0 of others.
 ros::Time give(const rosbag::MessageInstance& message, const Rig& rig, Collector& collector, ClockWatch& clocks) {
   const std::string& topic = message.getTopic();
@@ -197,13 +207,12 @@ ros::Time give(const rosbag::MessageInstance& message, const Rig& rig, Collector
     if (topic == rig.cameras[i].camera_info) {
       if (const auto info = message.instantiate<sensor_msgs::CameraInfo>()) collector.addCameraInfo(i, info);
     } else if (topic == rig.cameras[i].image) {
-      if (const auto image = message.instantiate<sensor_msgs::Image>()) {
+      withImage(message, [&](const auto& image) {
         watch(image);
         collector.addImage(i, image);
-      } else if (const auto compressed = message.instantiate<sensor_msgs::CompressedImage>()) {
-        watch(compressed);
-        collector.addImage(i, compressed);
-      }
+      });
+    } else if (topic == rig.cameras[i].masks) {
+      withImage(message, [&](const auto& mask) { collector.addMask(i, mask); });
     }
   }
   return {};
@@ -211,7 +220,10 @@ ros::Time give(const rosbag::MessageInstance& message, const Rig& rig, Collector
 
 Strings sensorTopics(const Rig& rig) {
   std::set<std::string> topics = {rig.cloud};
-  for (const RigCamera& camera : rig.cameras) topics.insert({camera.image, camera.camera_info});
+  for (const RigCamera& camera : rig.cameras) {
+    topics.insert({camera.image, camera.camera_info});
+    if (!camera.masks.empty()) topics.insert(camera.masks);
+  }
   return {topics.begin(), topics.end()};
 }
 

@@ -8,12 +8,11 @@
 #include <deque>
 #include <limits>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
-#include <optional>
 #include <sstream>
 
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
+#include "ros/camera_stream.hpp"
 #include "ros/node_log.hpp"
 #include "ros/transform_buffer.hpp"
 #include "ros/view_writer.hpp"
@@ -31,28 +30,6 @@ constexpr std::uint32_t kLastSecond = std::numeric_limits<std::uint32_t>::max() 
 using Invalid = std::invalid_argument;
 using Isometry = Eigen::Isometry3d;
 
-/// An image of either kind.
-struct ImageMessage {
-  std_msgs::Header header;
-  sensor_msgs::ImageConstPtr raw;
-  sensor_msgs::CompressedImageConstPtr compressed;
-};
-
-struct CameraState {
-  CameraParams params;
-  std::string name;
-  cv::Mat1b mask;
-  sensor_msgs::CameraInfoConstPtr info;  ///< the newest
-  std::optional<std::uint32_t> id;       ///< in the recording; set when the camera_info is good
-  Intrinsics intrinsics;
-  int bits = 0;                                     ///< of images with 16 bits a channel; 0: none came yet
-  Eigen::Vector3d baseline{0, 0, 0};                ///< m, of a rectified camera in the frame of its camera_info
-  Refused info_error{Outcome::kBadCameraInfo, ""};  ///< why there is no id
-  std::optional<Isometry> last_kept;
-  std::optional<double> resumed_at;  ///< s, newest stamp that an earlier program recorded; until the first image
-  std::deque<ImageMessage> queue;
-};
-
 /// A tenth of what makes a new keyframe.
 TransformBuffer::Stillness stillness(const RecordParams& record) {
   return {record.keyframe_distance / 10, record.keyframe_angle / 10};
@@ -60,19 +37,6 @@ TransformBuffer::Stillness stillness(const RecordParams& record) {
 
 std::string badStamp(ros::Time stamp) {
   return "the stamp of " + std::to_string(stamp.sec) + " s is out of range; look at the publisher's clock";
-}
-
-bool sameCamera(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo& b) {
-  return a.width == b.width && a.height == b.height && a.distortion_model == b.distortion_model && a.D == b.D &&
-         a.K == b.K && a.P == b.P && a.header.frame_id == b.header.frame_id && a.binning_x == b.binning_x &&
-         a.binning_y == b.binning_y && a.roi == b.roi;
-}
-
-cv::Mat1b readMask(const std::string& file) {
-  if (file.empty()) return {};
-  cv::Mat mask = cv::imread(file, cv::IMREAD_GRAYSCALE);
-  require(!mask.empty(), "the mask ", file, " cannot be read as an image");
-  return mask;
 }
 
 }  // namespace
@@ -89,12 +53,7 @@ struct Collector::Impl {
                [this](const PendingView& view) { viewKept(view); }) {
     params.check();
     stats.cameras.resize(params.cameras.size());
-    cameras.resize(params.cameras.size());
-    for (std::size_t i = 0; i < cameras.size(); ++i) {
-      cameras[i].params = params.cameras[i];
-      cameras[i].name = "camera_" + std::to_string(i);
-      cameras[i].mask = readMask(params.cameras[i].mask);
-    }
+    for (std::size_t i = 0; i < params.cameras.size(); ++i) cameras.emplace_back(params.cameras[i], i);
     restoreKeyframes();
   }
 
@@ -103,13 +62,12 @@ struct Collector::Impl {
     if (recorder->numViews() == 0) return;
     const Recording recording = recorder->snapshot();
     for (const View& view : recording.views()) {
-      for (CameraState& camera : cameras) {
+      for (CameraStream& camera : cameras) {
         const std::string& name = recording.cameras()[view.camera].name;  // with new intrinsics, camera_0_2
-        if (name != camera.name && name.rfind(camera.name + '_', 0) != 0) continue;
+        if (name != camera.name() && name.rfind(camera.name() + '_', 0) != 0) continue;
         Isometry pose = view.map_from_camera;
         pose.translation() += recording.origin();
-        camera.last_kept = pose;
-        camera.resumed_at = std::max(view.stamp, camera.resumed_at.value_or(view.stamp));
+        camera.resumeAt(pose, view.stamp);
       }
     }
   }
@@ -120,6 +78,16 @@ struct Collector::Impl {
     if (!events.log) return;
     const auto suffix = throttle.pass(stream + kind);
     if (suffix) events.log(LogLevel::kWarning, stream + ": " + text + *suffix);
+  }
+
+  Say sayOf(const CameraStream& camera) {
+    return [this, name = camera.name()](LogLevel level, const char* kind, const std::string& text) {
+      if (level == LogLevel::kWarning) {
+        warn(name, kind, text);
+      } else if (events.log) {
+        events.log(level, name + ": " + text);
+      }
+    };
   }
 
   void count(const std::string& stream, StreamStats& of, const Refused& refused) {
@@ -192,9 +160,9 @@ struct Collector::Impl {
   std::string scannerFrame() const {
     std::string named = transforms.scannerFrame();
     if (!named.empty()) return named;
-    for (const CameraState& camera : cameras) {
-      if (camera.info && transforms.has(withoutSlash(camera.info->header.frame_id))) {
-        return withoutSlash(camera.info->header.frame_id);
+    for (const CameraStream& camera : cameras) {
+      if (camera.info() && transforms.has(withoutSlash(camera.info()->header.frame_id))) {
+        return withoutSlash(camera.info()->header.frame_id);
       }
     }
     return {};
@@ -263,139 +231,36 @@ struct Collector::Impl {
 
   // ---- images ----
 
-  void takeCameraInfo(CameraState& camera, const sensor_msgs::CameraInfoConstPtr& message) {
-    if (camera.info && sameCamera(*camera.info, *message)) return;
-    camera.info = message;
-    readCameraInfo(camera, *recorder);
-  }
-
-  void readCameraInfo(CameraState& camera, Recorder& into) {
-    camera.id.reset();
-    camera.info_error.outcome = Outcome::kBadCameraInfo;
-    try {
-      const CameraFromInfo result = cameraFromMessage(*camera.info, camera.params.rectified);
-      if (!result.warning.empty()) warn(camera.name, "info", result.warning);
-      camera.intrinsics = result.intrinsics;
-      camera.baseline = result.baseline;
-      const double size = 1e-6 * camera.intrinsics.width * camera.intrinsics.height;
-      if (size > params.max_image_size) camera.info_error.outcome = Outcome::kTooLarge;
-      require<Invalid>(size <= params.max_image_size, "camera_info: an image of ", camera.intrinsics.width, " x ",
-                       camera.intrinsics.height, " px is larger than ~max_image_size = ", params.max_image_size,
-                       " Mpx; raise it if the camera has so many pixels");
-      require<Invalid>(
-          camera.mask.empty() || camera.mask.size() == cv::Size(camera.intrinsics.width, camera.intrinsics.height),
-          "the mask ", camera.params.mask, " is ", camera.mask.cols, " x ", camera.mask.rows, ", but the images are ",
-          camera.intrinsics.width, " x ", camera.intrinsics.height);
-    } catch (const Invalid& error) {
-      camera.info_error.reason = error.what();
-      return;
-    }
-    camera.id = into.setCamera(camera.name, camera.intrinsics);
-    if (!camera.mask.empty()) into.setMask(*camera.id, camera.mask);
-  }
-
-  bool isKeyframe(const CameraState& camera, const Isometry& pose) const {
-    if (!camera.last_kept) return true;
-    const Isometry moved = camera.last_kept->inverse() * pose;
-    const double angle = Eigen::AngleAxisd(moved.linear()).angle() * 180 / M_PI;
-    return moved.translation().norm() >= params.record.keyframe_distance || angle >= params.record.keyframe_angle;
-  }
-
-  /// A bag that is read again chooses the keyframes that it chose the first time: by what lies before them in the bag.
-  bool isRecorded(CameraState& camera, const PendingView& view) {
-    if (camera.resumed_at && view.stamp <= *camera.resumed_at) camera.last_kept.reset();
-    camera.resumed_at.reset();
-    if (!recorder->recognizeView(view.id, view.stamp)) return false;
-    camera.last_kept = view.map_from_camera;
-    return true;
-  }
-
   /// P of the right camera of a stereo pair says how far it is from the frame that both cameras name. Most drivers give
   /// each camera a frame of its own instead, which tells the same.
-  Eigen::Translation3d offsetInFrame(const CameraState& camera) {
+  Eigen::Translation3d offsetInFrame(const CameraStream& camera) {
     Eigen::Translation3d none(0, 0, 0);
-    if (camera.baseline.isZero()) return none;
-    const std::string frame = camera.info->header.frame_id;
-    const bool is_shared = std::any_of(cameras.begin(), cameras.end(), [&](const CameraState& other) {
-      return &other != &camera && other.info && other.info->header.frame_id == frame;
+    if (camera.baseline().isZero()) return none;
+    const std::string frame = camera.info()->header.frame_id;
+    const bool is_shared = std::any_of(cameras.begin(), cameras.end(), [&](const CameraStream& other) {
+      return &other != &camera && other.info() && other.info()->header.frame_id == frame;
     });
-    if (is_shared) return Eigen::Translation3d(camera.baseline);
+    if (is_shared) return Eigen::Translation3d(camera.baseline());
     std::ostringstream text;
-    text << "P of camera_info places the camera " << camera.baseline.norm() << " m beside the frame " << frame
+    text << "P of camera_info places the camera " << camera.baseline().norm() << " m beside the frame " << frame
          << ", which no other camera has; the frame is taken as this camera's own";
-    warn(camera.name, "baseline", text.str());
+    warn(camera.name(), "baseline", text.str());
     return none;
   }
 
-  /// Size of the image; throws Refused when it cannot be decoded.
-  static cv::Size inspect(const ImageMessage& image, PendingView& view) {
-    try {
-      if (image.raw) {
-        checkImage(*image.raw);
-        return {static_cast<int>(image.raw->width), static_cast<int>(image.raw->height)};
-      }
-      const EncodedInfo info = inspectCompressed(*image.compressed);
-      view.extension = info.extension;
-      view.is_decoded = info.is_mosaic || info.depth == 16;
-      return info.size;
-    } catch (const Invalid& error) {
-      throw Refused{Outcome::kUndecodable, error.what()};
-    }
-  }
-
-  /// Cameras of 10, 12 and 14 bits come in 16, where nothing says how many are filled.
-  int bitsOfCamera(CameraState& camera, const ImageMessage& image) {
-    if (camera.params.bits != 0) return camera.params.bits;
-    cv::Mat pixels;
-    try {
-      pixels = image.raw ? imageFromMessage(*image.raw) : imageFromMessage(*image.compressed);
-    } catch (const Invalid& error) {
-      throw Refused{Outcome::kUndecodable, error.what()};
-    }
-    if (pixels.depth() != CV_16U) return 16;
-    const int bits = bitsOf(pixels);
-    if (bits <= camera.bits) return camera.bits;
-    if (events.log) {
-      const std::string param = camera.name + "/bits=" + std::to_string(bits);
-      if (camera.bits != 0) {
-        events.log(LogLevel::kWarning, camera.name + ": an image has more than the " + std::to_string(camera.bits) +
-                                           " bits of those before it, which are now too bright; record again with " +
-                                           param);
-      } else {
-        events.log(LogLevel::kInfo, camera.name + ": of 16 bits a channel, the first image fills " +
-                                        std::to_string(bits) + ", which is taken as full scale; else set " +
-                                        camera.name + "/bits");
-      }
-    }
-    return camera.bits = bits;
-  }
-
-  Outcome recordImage(CameraState& camera, const ImageMessage& image) {
+  Outcome recordImage(std::size_t number, const ImageMessage& image) {
+    CameraStream& camera = cameras[number];
     checkHeader(image.header);
-    if (!camera.info) throw NotYet{{Outcome::kNoCameraInfo, "no camera_info has come"}};
-    if (!camera.id) throw camera.info_error;
-    PendingView view;
-    view.camera = static_cast<std::size_t>(&camera - cameras.data());
-    view.id = *camera.id;
-    view.intrinsics = camera.intrinsics;
-    const ros::Time stamp = shifted(image.header.stamp, camera.params.time_offset);
+    camera.dropMasksBefore(image.header.stamp);
+    PendingView view = camera.newView();
+    view.camera = number;
+    const ros::Time stamp = shifted(image.header.stamp, camera.params().time_offset);
     view.stamp = stamp.toSec();
-    std::string frame = withoutSlash(image.header.frame_id);
-    if (frame.empty()) frame = withoutSlash(camera.info->header.frame_id);
-    if (frame.empty()) throw Refused{Outcome::kMalformed, "neither the image nor its camera_info has a frame_id"};
-    view.map_from_camera = transforms.lookUp(map_frame, frame, stamp) * offsetInFrame(camera);
-    if (isRecorded(camera, view)) return Outcome::kRecordedBefore;
-    if (!isKeyframe(camera, view.map_from_camera)) return Outcome::kNotKeyframe;
-
-    const cv::Size size = inspect(image, view);
-    if (size != cv::Size(camera.intrinsics.width, camera.intrinsics.height)) {
-      std::ostringstream text;
-      text << "the image is " << size.width << " x " << size.height << ", its camera_info says "
-           << camera.intrinsics.width << " x " << camera.intrinsics.height;
-      throw Refused{Outcome::kSizeMismatch, text.str()};
-    }
-    if (image.raw ? isWide(*image.raw) : view.is_decoded) view.bits = bitsOfCamera(camera, image);
-    camera.last_kept = view.map_from_camera;
+    view.map_from_camera = transforms.lookUp(map_frame, camera.frameOf(image), stamp) * offsetInFrame(camera);
+    if (camera.isRecorded(view, *recorder)) return Outcome::kRecordedBefore;
+    if (!camera.isKeyframe(view.map_from_camera, params.record)) return Outcome::kNotKeyframe;
+    camera.inspect(image, view, sayOf(camera));
+    camera.keep(view);
     if (image.raw) {
       writer.add(std::move(view), image.raw, *recorder);
     } else {
@@ -436,9 +301,8 @@ struct Collector::Impl {
     workOff("clouds", stats.cloud, clouds,
             [this](const sensor_msgs::PointCloud2ConstPtr& cloud) { return recordCloud(*cloud); });
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-      CameraState& camera = cameras[i];
-      workOff(camera.name, stats.cameras[i], camera.queue,
-              [&](const ImageMessage& image) { return recordImage(camera, image); });
+      workOff(cameras[i].name(), stats.cameras[i], cameras[i].queue,
+              [&](const ImageMessage& image) { return recordImage(i, image); });
     }
     writer.writeReady(*recorder);
   }
@@ -468,13 +332,17 @@ struct Collector::Impl {
     count(stream, of, {Outcome::kOverflow, "too many messages wait for their transforms"});
   }
 
+  void addImage(std::size_t camera, const ImageMessage& image) {
+    enqueue(cameras.at(camera).name(), stats.cameras[camera], cameras[camera].queue, image);
+  }
+
   Recorder* recorder;
   CollectorParams params;
   CollectorEvents events;
   std::string map_frame, sensor_frame;
   TransformBuffer transforms;
   CollectorStats stats;
-  std::vector<CameraState> cameras;
+  std::vector<CameraStream> cameras;
   std::deque<sensor_msgs::PointCloud2ConstPtr> clouds;
   std::map<std::string, double> last_stamps;
   LineThrottle throttle;
@@ -513,28 +381,29 @@ void Collector::addCloud(const sensor_msgs::PointCloud2ConstPtr& message) {
 }
 
 void Collector::addCameraInfo(std::size_t camera, const sensor_msgs::CameraInfoConstPtr& message) {
-  impl_->takeCameraInfo(impl_->cameras.at(camera), message);
+  CameraStream& stream = impl_->cameras.at(camera);
+  stream.takeInfo(message, impl_->params.max_image_size, *impl_->recorder, impl_->sayOf(stream));
 }
 
 void Collector::addImage(std::size_t camera, const sensor_msgs::ImageConstPtr& message) {
-  CameraState& state = impl_->cameras.at(camera);
-  impl_->enqueue(state.name, impl_->stats.cameras[camera], state.queue,
-                 ImageMessage{message->header, message, nullptr});
+  impl_->addImage(camera, ImageMessage::of(message));
 }
 
 void Collector::addImage(std::size_t camera, const sensor_msgs::CompressedImageConstPtr& message) {
-  CameraState& state = impl_->cameras.at(camera);
-  impl_->enqueue(state.name, impl_->stats.cameras[camera], state.queue,
-                 ImageMessage{message->header, nullptr, message});
+  impl_->addImage(camera, ImageMessage::of(message));
+}
+
+void Collector::addMask(std::size_t camera, const sensor_msgs::ImageConstPtr& message) {
+  impl_->cameras.at(camera).takeMask(ImageMessage::of(message));
+}
+
+void Collector::addMask(std::size_t camera, const sensor_msgs::CompressedImageConstPtr& message) {
+  impl_->cameras.at(camera).takeMask(ImageMessage::of(message));
 }
 
 void Collector::useRecorder(Recorder& recorder) {
   auto cameras = impl_->cameras;  // a copy, as the new recording's disk may be full
-  for (CameraState& camera : cameras) {
-    camera.last_kept.reset();
-    camera.resumed_at.reset();
-    if (camera.info) impl_->readCameraInfo(camera, recorder);
-  }
+  for (CameraStream& camera : cameras) camera.enter(recorder, impl_->params.max_image_size, impl_->sayOf(camera));
   impl_->writer.clear();
   impl_->recorder = &recorder;
   impl_->cameras = std::move(cameras);
@@ -560,7 +429,7 @@ void Collector::finish() {
 
 std::size_t Collector::numPending() const {
   std::size_t pending = impl_->clouds.size() + impl_->writer.numPending();
-  for (const CameraState& camera : impl_->cameras) pending += camera.queue.size();
+  for (const CameraStream& camera : impl_->cameras) pending += camera.queue.size();
   return pending;
 }
 

@@ -55,6 +55,7 @@ const char* toString(Outcome outcome) {
                                        "too large",
                                        "size differs from camera_info",
                                        "undecodable",
+                                       "without a mask",
                                        "malformed",
                                        "no stamp",
                                        "stamp out of range",

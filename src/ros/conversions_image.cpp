@@ -15,6 +15,7 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "camera/pixels.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
 
@@ -172,6 +173,14 @@ cv::Mat swapBytes(const cv::Mat& image) {
   return result;
 }
 
+/// The Mat is only read from; OpenCV has no constructor for constant data. It is made here because cv_bridge's own
+/// conversion refuses rows that follow the image and a last row without padding.
+cv::Mat pixelsOf(const sensor_msgs::Image& message, const PixelLayout& layout) {
+  const cv::Mat image(static_cast<int>(message.height * layout.rows_a_pair / 2), static_cast<int>(message.width),
+                      layout.type, const_cast<std::uint8_t*>(message.data.data()), message.step);  // NOLINT
+  return image.depth() == CV_16U && message.is_bigendian != 0 ? swapBytes(image) : image;
+}
+
 }  // namespace
 
 CameraFromInfo cameraFromMessage(const CameraInfo& message, bool rectified) {
@@ -249,11 +258,7 @@ void checkImage(const sensor_msgs::Image& message) {
 cv::Mat imageFromMessage(const sensor_msgs::Image& message) {
   checkImage(message);
   const PixelLayout layout = pixelLayout(message);
-  // The Mat is only read from; OpenCV has no constructor for constant data. It is made here because cv_bridge's own
-  // conversion refuses rows that follow the image and a last row without padding.
-  cv::Mat image(static_cast<int>(message.height * layout.rows_a_pair / 2), static_cast<int>(message.width), layout.type,
-                const_cast<std::uint8_t*>(message.data.data()), message.step);  // NOLINT
-  if (image.depth() == CV_16U && message.is_bigendian != 0) image = swapBytes(image);
+  cv::Mat image = pixelsOf(message, layout);
   const std::string encoding = namedEncoding(message.encoding);
   if (enc::isMono(encoding) || encoding == enc::BGR8) return image;
   try {
@@ -276,17 +281,10 @@ bool isWide(const sensor_msgs::Image& message) {
   return CV_MAT_DEPTH(pixelLayout(message).type) == CV_16U;
 }
 
-int bitsOf(const cv::Mat& image) {
-  double most = 0;
-  cv::minMaxIdx(image.reshape(1), nullptr, &most);
-  for (const int bits : {10, 12, 14}) {
-    if (most < std::ldexp(1, bits)) return bits;
-  }
-  return 16;
-}
-
-cv::Mat scaledTo16Bits(const cv::Mat& image, int bits) {
-  return image.depth() == CV_16U && bits < 16 ? cv::Mat(image * std::ldexp(1, 16 - bits)) : image;
+cv::Mat opaquePixels(const sensor_msgs::Image& message) {
+  const PixelLayout layout = pixelLayout(message);
+  if (CV_MAT_CN(layout.type) != 4) return {};
+  return opaquePixels(pixelsOf(message, layout));
 }
 
 cv::Mat imageFromMessage(const sensor_msgs::CompressedImage& message) {
@@ -305,7 +303,7 @@ EncodedImage encodeImage(const cv::Mat& image, const std::string& format) {
   EncodedImage result;
   result.extension = format;
   if (format == "ppm" && image.channels() == 1) result.extension = "pgm";
-  if (format == "jpg" && image.depth() == CV_16U) result.extension = "png";
+  if ((format == "jpg" && image.depth() == CV_16U) || image.channels() == 4) result.extension = "png";
   const std::vector<int> options = {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_JPEG_QUALITY, 95};
   require(cv::imencode("." + result.extension, image, result.bytes, options), "OpenCV cannot encode a ", image.cols,
           " x ", image.rows, " image as ", result.extension);

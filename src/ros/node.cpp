@@ -111,6 +111,10 @@ struct ColorizerNode::Impl {
       const std::string camera = "camera_" + std::to_string(i);
       subscribeTo<sensor_msgs::CameraInfo>(camera + "/camera_info", true,
                                            [i](Collector& to, const auto& message) { to.addCameraInfo(i, message); });
+      if (params.node.collector.cameras[i].masks) {
+        subscribeTo<sensor_msgs::Image>(camera + "/mask", true,
+                                        [i](Collector& to, const auto& message) { to.addMask(i, message); });
+      }
       const std::string& own = params.node.camera_transports[i];
       subscribeToImages(i, camera, own.empty() ? params.node.image_transport : own);
     }

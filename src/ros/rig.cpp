@@ -69,13 +69,15 @@ void checkKeys(const YAML::Node& node, const std::set<std::string>& known, const
 }
 
 RigCamera readCamera(const YAML::Node& node, const std::string& file) {
-  checkKeys(node, {"image", "camera_info", "time_offset", "mask", "rectified"}, file);
+  checkKeys(node, {"image", "camera_info", "time_offset", "mask", "masks", "rectified"}, file);
   require(static_cast<bool>(node["image"]), file, ": a camera has no image; an example:\n", exampleRig());
   RigCamera camera;
   camera.image = node["image"].as<std::string>();
   camera.camera_info = node["camera_info"] ? node["camera_info"].as<std::string>() : siblingInfo(camera.image);
   camera.params.rectified = isRectified(camera.image);
   if (node["rectified"]) camera.params.rectified = node["rectified"].as<bool>();
+  if (node["masks"]) camera.masks = node["masks"].as<std::string>();
+  camera.params.masks = !camera.masks.empty();
   if (node["time_offset"]) camera.params.time_offset = node["time_offset"].as<double>();
   if (node["mask"] && !node["mask"].as<std::string>().empty()) {
     camera.params.mask = (std::filesystem::path(file).parent_path() / node["mask"].as<std::string>()).string();
@@ -160,6 +162,7 @@ std::string exampleRig() {
          "    camera_info: /front/camera_info   # may be left out: the one beside the image\n"
          "    time_offset: 0.0                  # s, added to the image stamps\n"
          "    mask: front_mask.png              # black where the camera must not colour; may be left out\n"
+         "    # masks: /front/segmentation      # images that are black there, one for each image, by its stamp\n"
          "    rectified: false                  # true: P counts, without distortion\n"
          "map_frame: map                        # may be left out\n"
          "# odometry: /odom                     # nav_msgs/Odometry or geometry_msgs/PoseStamped, where tf has no "
@@ -190,6 +193,7 @@ Rig readRig(const std::string& file, const TopicTypes& topics) {
   for (const RigCamera& camera : rig.cameras) {
     checkTopic(topics, camera.image, {kImage, kCompressed}, file);
     checkTopic(topics, camera.camera_info, {kInfo}, file);
+    if (!camera.masks.empty()) checkTopic(topics, camera.masks, {kImage, kCompressed}, file);
   }
   return rig;
 }
@@ -215,7 +219,7 @@ Rig guessRig(const TopicTypes& topics, const FormatOf& format_of) {
       rig.left_out.emplace_back(image.topic, image.left_out);
       continue;
     }
-    rig.cameras.push_back({image.topic, image.info, {}});
+    rig.cameras.push_back({image.topic, image.info, {}, {}});
     rig.cameras.back().params.rectified = isRectified(image.topic);
   }
   if (rig.cloud.empty()) failToGuess("The bag has no cloud topic.", topics);

@@ -4,8 +4,30 @@
 
 #include <chrono>
 #include <utility>
+#include <vector>
+
+#include "camera/pixels.hpp"
 
 namespace cloud_colorizer {
+namespace {
+
+cv::Mat opaqueOf(const sensor_msgs::Image& message) {
+  return opaquePixels(message);
+}
+cv::Mat opaqueOf(const sensor_msgs::CompressedImage&) {
+  return {};  // what may have alpha is kept as received
+}
+
+/// BGRA of what is BGR.
+cv::Mat withAlpha(const cv::Mat& image, const cv::Mat& opaque) {
+  if (opaque.empty()) return image;
+  cv::Mat alpha, result;
+  opaque.convertTo(alpha, image.depth(), image.depth() == CV_16U ? 257 : 1);
+  cv::merge(std::vector<cv::Mat>{image, alpha}, result);
+  return result;
+}
+
+}  // namespace
 
 ViewWriter::ViewWriter(int num_threads, const std::string& raw_image_format, Kept kept)
     : raw_image_format_(raw_image_format), kept_(std::move(kept)), pool_(num_threads) {}
@@ -29,7 +51,7 @@ void ViewWriter::add(PendingView view, const sensor_msgs::CompressedImageConstPt
 template <class MessagePtr>
 std::future<EncodedImage> ViewWriter::encode(const MessagePtr& message, int bits) {
   return pool_.run([message, bits, format = raw_image_format_] {
-    return encodeImage(scaledTo16Bits(imageFromMessage(*message), bits), format);
+    return encodeImage(withAlpha(scaledTo16Bits(imageFromMessage(*message), bits), opaqueOf(*message)), format);
   });
 }
 
@@ -46,7 +68,7 @@ void ViewWriter::write(std::size_t max_left, Recorder& recorder) {
       view.extension = encoded.extension;
       view.bytes = std::make_shared<const std::vector<std::uint8_t>>(std::move(encoded.bytes));
     }
-    recorder.addView(view.id, view.stamp, view.map_from_camera, *view.bytes, view.extension);
+    recorder.addView(view.id, view.stamp, view.map_from_camera, *view.bytes, view.extension, view.mask);
     if (kept_) kept_(view);
   }
 }

@@ -71,7 +71,7 @@ TEST(Heldout, TrainingRecordingHasTheOtherViewsAndAllPoints) {
   ASSERT_EQ(training.views().size(), 3U);
   EXPECT_TRUE(training.views()[1].map_from_camera.isApprox(recording.views()[3].map_from_camera));
   EXPECT_EQ(training.numPoints(), recording.numPoints());
-  EXPECT_EQ(training.readImage(2).size(), recording.readImage(7).size());
+  EXPECT_EQ(training.readPixels(2).image.size(), recording.readPixels(7).image.size());
 }
 
 TEST(Heldout, CleanScenePredictsTheImagesThatWereLeftOut) {

@@ -82,6 +82,22 @@ class CollectorTest : public testing::Test {
     collector().process();
   }
 
+  /// 4 x 3, columns of these values in turn.
+  void addMask(double stamp, const std::vector<std::uint8_t>& values) {
+    auto mask = imageMessage("mono8", 4, 3, values);
+    mask.header.stamp.fromSec(stamp);
+    collector().addMask(0, boost::make_shared<sensor_msgs::Image>(mask));
+    collector().process();
+  }
+
+  static sensor_msgs::Image rgba(const std::vector<std::uint8_t>& pixels) {
+    sensor_msgs::Image image = imageMessage("mono8", 8, 6, {1});
+    image.encoding = "rgba8";
+    image.step = 32;
+    image.data = pixels;
+    return image;
+  }
+
   Recording finished() {
     collector().finish();
     return recorder_->snapshot();
@@ -300,9 +316,9 @@ TEST_F(CollectorTest, TwelveBitsInSixteenAreFullScale) {
   addImage(12.5, wide(8192));
   const Recording recording = finished();
   ASSERT_EQ(recording.views().size(), 3U);
-  EXPECT_NEAR(recording.readImage(0).at<cv::Vec3b>(3, 3)[0], 128, 1);
-  EXPECT_NEAR(recording.readImage(1).at<cv::Vec3b>(3, 3)[0], 64, 1);
-  EXPECT_NEAR(recording.readImage(2).at<cv::Vec3b>(3, 3)[0], 128, 1);
+  EXPECT_NEAR(recording.readPixels(0).image.at<cv::Vec3b>(3, 3)[0], 128, 1);
+  EXPECT_NEAR(recording.readPixels(1).image.at<cv::Vec3b>(3, 3)[0], 64, 1);
+  EXPECT_NEAR(recording.readPixels(2).image.at<cv::Vec3b>(3, 3)[0], 128, 1);
   EXPECT_TRUE(logged("the first image fills 12"));
   EXPECT_TRUE(logged("camera_0/bits=14"));
 }
@@ -314,7 +330,54 @@ TEST_F(CollectorTest, CompressedImagesOfSixteenBitsAreScaledAsWell) {
   auto image = encoded(cv::Mat1w(6, 8, std::uint16_t{512}), "png");
   image.format = "mono16; png compressed ";
   addCompressed(10.5, image);
-  EXPECT_NEAR(finished().readImage(0).at<cv::Vec3b>(3, 3)[0], 128, 1);
+  EXPECT_NEAR(finished().readPixels(0).image.at<cv::Vec3b>(3, 3)[0], 128, 1);
+}
+
+TEST_F(CollectorTest, WhatIsTransparentIsMasked) {
+  addInfo();
+  drive(10, 13);
+  std::vector<std::uint8_t> pixels(8 * 6 * 4, 255);
+  addImage(10.5, rgba(pixels));
+  pixels[4 * 9 + 3] = 0;
+  addImage(11.5, rgba(pixels));
+  const Recording recording = finished();
+  EXPECT_TRUE(recording.readPixels(0).mask.empty());
+  const cv::Mat mask = recording.readPixels(1).mask;
+  ASSERT_EQ(mask.size(), cv::Size(8, 6));
+  EXPECT_EQ(cv::countNonZero(mask), 47);
+  EXPECT_EQ(mask.at<std::uint8_t>(1, 1), 0);
+}
+
+TEST_F(CollectorTest, EveryImageWaitsForItsMask) {
+  params_.cameras[0].masks = true;
+  addInfo();
+  drive(10, 16);
+  addImage(10.5);
+  EXPECT_EQ(imageCount(Outcome::kKept), 0U);
+  addMask(10.5, {255, 0});
+  EXPECT_EQ(imageCount(Outcome::kKept), 1U);
+  addMask(11.5, {0, 0});  // before its image
+  addImage(11.5);
+  EXPECT_EQ(imageCount(Outcome::kKept), 2U);
+  addMask(13.5, {1, 1});
+  addImage(12.5);  // its mask did not come
+  EXPECT_EQ(imageCount(Outcome::kNoMask), 1U);
+  const Recording recording = finished();
+  ASSERT_EQ(recording.views().size(), 2U);
+  EXPECT_EQ(cv::countNonZero(recording.readPixels(0).mask), 24);  // the mask has half the size
+  EXPECT_EQ(cv::countNonZero(recording.readPixels(1).mask), 0);
+}
+
+TEST_F(CollectorTest, AMaskOfAnotherShapeIsRefused) {
+  params_.cameras[0].masks = true;
+  addInfo();
+  drive(10, 11);
+  auto mask = imageMessage("mono8", 8, 3, {1, 1});
+  mask.header.stamp.fromSec(10.5);
+  collector().addMask(0, boost::make_shared<sensor_msgs::Image>(mask));
+  addImage(10.5);
+  EXPECT_EQ(imageCount(Outcome::kNoMask), 1U);
+  EXPECT_NE(collector().stats().cameras[0].last_error.find("8 x 3"), std::string::npos);
 }
 
 TEST_F(CollectorTest, TheRightCameraOfAPairStandsBesideTheirCommonFrame) {
@@ -406,7 +469,7 @@ TEST_F(CollectorTest, ViewsAreKeptEveryKeyframeDistance) {
   ASSERT_GE(recording.views().size(), 4U);
   ASSERT_LE(recording.views().size(), 5U);
   EXPECT_LT((recording.views()[0].map_from_camera.translation() - Eigen::Vector3d(10, 1, 0)).norm(), 1e-6);
-  EXPECT_EQ(recording.readImage(1).size(), cv::Size(8, 6));
+  EXPECT_EQ(recording.readPixels(1).image.size(), cv::Size(8, 6));
 }
 
 TEST_F(CollectorTest, TimeOffsetMovesThePose) {

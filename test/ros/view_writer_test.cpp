@@ -61,7 +61,7 @@ TEST_F(ViewWriterTest, ViewsKeepTheirOrderWhateverTheirImagesTake) {
   EXPECT_EQ(recordedStamps(), expected);
   EXPECT_EQ(kept_, expected);
   const Recording recording = recorder_.snapshot();
-  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_FALSE(recording.readImage(i).empty());
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_FALSE(recording.readPixels(i).image.empty());
 }
 
 TEST_F(ViewWriterTest, FewImagesAreInWork) {

@@ -46,8 +46,8 @@ struct AlignmentParams {
 struct AlignmentInput {
   std::vector<Camera> cameras;
   std::vector<View> views;
-  ImageSource images;                                                  ///< CV_8U, RGB or grey; from several threads
-  std::function<std::shared_ptr<const cv::Mat>(std::uint32_t)> masks;  ///< of a camera, 0 = do not use; may be empty
+  ImageSource images;  ///< CV_8U, RGB or grey; from several threads
+  ImageSource masks;   ///< CV_8UC1, 0 = do not use; null where a view has none; may be empty
   Points points;
   Surfels surfels;
   Eigen::VectorXf intensity;  ///< of each point, any scale; empty: none

@@ -21,6 +21,7 @@ struct View {
   double stamp = 0;          ///< s, of the image, after the camera's time offset
   Eigen::Isometry3d map_from_camera = Eigen::Isometry3d::Identity();  ///< optical frame to map, relative to the origin
   std::string image;                                                  ///< file, relative to the recording
+  std::string mask;  ///< likewise: black where this view must not colour; empty: none but its camera's
 };
 
 /// Image of a view: CV_8U, CV_16U or CV_32F with m channels; colour images are RGB (not BGR). Shared, never written to.

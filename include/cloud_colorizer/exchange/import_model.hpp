@@ -15,12 +15,14 @@ struct ModelFiles {
   std::string cloud;   ///< .ply, .pcd or .las
   std::string images;  ///< folder
   std::string model;   ///< folder of a COLMAP model, see readColmapModel()
+  std::string masks;   ///< folder of images that are black where NAME.png masks the image NAME; empty: none
 };
 
 /// Makes the recording in `directory`, which must not hold one already. `voxel_size` thins as usual; ranges do not
 /// apply, since nobody knows where the points were measured from. A `tile_size` of 0 is chosen from the extent of the
-/// cloud. Images that are larger or smaller than their camera by one factor get scaled intrinsics. Throws
-/// std::runtime_error: missing files or folders, an image of another shape than its camera's, an empty cloud.
+/// cloud. Images that are larger or smaller than their camera by one factor get scaled intrinsics; what is transparent
+/// in them colours nothing. Throws std::runtime_error: missing files or folders, an image of another shape than its
+/// camera's, an empty cloud.
 Recording importModel(const ModelFiles& files, const std::string& directory, const RecordParams& params,
                       const Callbacks& callbacks);
 

@@ -5,7 +5,7 @@
 ///   recording.yaml   format version, map frame, origin, voxel and tile size, fields of a point
 ///   cameras.yaml     intrinsics and mask of every camera
 ///   views.csv        one line a view: camera, stamp, pose, image file
-///   images/camera_i/ the images as received
+///   images/camera_i/ the images as received, and NUMBER.mask.png beside those that have a mask of their own
 ///   scans.csv        one line a scan: stamp, pose, file of ranges
 ///   scans/           which ranges the sensor measured at that moment, as 16 bit PNG
 ///   tiles/x_y_z.pcd  the points of one cube, positions relative to the origin
@@ -32,6 +32,12 @@ struct RecordedCamera {
   std::string name;  ///< "camera_0"; also the folder of its images
   Intrinsics intrinsics;
   std::string mask;  ///< file relative to the recording, CV_8UC1, 0 = do not use; empty: none
+};
+
+/// What a view shows, and which of it can be used.
+struct ViewPixels {
+  cv::Mat image;  ///< CV_8UC3, RGB; grey images become grey RGB
+  cv::Mat mask;   ///< CV_8UC1, 0 = do not use; empty: all can be used
 };
 
 /// One sweep of a range sensor, kept as a panorama of ranges.
@@ -70,7 +76,8 @@ class Recording {
 
   Points readPoints(std::size_t tile) const;                      ///< positions relative to the origin
   std::vector<std::uint8_t> readRecords(std::size_t tile) const;  ///< packed records of fields()
-  cv::Mat readImage(std::size_t view) const;   ///< CV_8UC3, RGB; grey images become grey RGB; throws when undecodable
+  /// The mask is that of the camera, of the view, and of the image's alpha together. Throws when one is undecodable.
+  ViewPixels readPixels(std::size_t view) const;
   cv::Mat readMask(std::size_t camera) const;  ///< CV_8UC1, or empty when the camera has none
   cv::Mat1w readScan(std::size_t scan) const;  ///< of makeRangePanorama()
 

@@ -22,6 +22,7 @@ struct RigCamera {
   std::string image;        ///< sensor_msgs/Image or CompressedImage
   std::string camera_info;  ///< sensor_msgs/CameraInfo
   CameraParams params;
+  std::string masks;  ///< sensor_msgs/Image or CompressedImage, one for each image; empty: none
 };
 
 struct Rig {

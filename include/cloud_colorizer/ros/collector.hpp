@@ -31,6 +31,7 @@ namespace cloud_colorizer {
 struct CameraParams {
   double time_offset = 0;  ///< s, added to the stamps of the images
   std::string mask;        ///< image file, black where the camera must not colour; empty: none
+  bool masks = false;      ///< every image gets a mask of its own by addMask(); without it, it is not recorded
   bool rectified = false;  ///< the images are rectified: P counts, without distortion
   /// Of images with 16 bits a channel: how many the camera fills; 0: as few of 10, 12, 14 and 16 as hold its first
   /// image.
@@ -65,6 +66,7 @@ enum class Outcome {
   kTooLarge,
   kSizeMismatch,
   kUndecodable,
+  kNoMask,
   kMalformed,
   kNoStamp,
   kBadStamp,
@@ -133,6 +135,9 @@ class Collector {
   void addCameraInfo(std::size_t camera, const sensor_msgs::CameraInfoConstPtr& message);
   void addImage(std::size_t camera, const sensor_msgs::ImageConstPtr& message);
   void addImage(std::size_t camera, const sensor_msgs::CompressedImageConstPtr& message);
+  /// For the image with the same stamp, before or after it: black where it must not colour. Of the image's shape.
+  void addMask(std::size_t camera, const sensor_msgs::ImageConstPtr& message);
+  void addMask(std::size_t camera, const sensor_msgs::CompressedImageConstPtr& message);
 
   /// Goes on into another recording: transforms, camera_info and waiting messages stay, counters start again. Views
   /// whose images are being encoded belong to the old one, see drain(). When it throws, the old one stays in use.

@@ -69,13 +69,11 @@ bool isOfValues(const std::string& encoding);
 bool isGrey(const std::string& encoding);  ///< mono8, mono16, 8UC1
 
 bool isWide(const sensor_msgs::Image& message);  ///< 16 bits a channel
-/// The least of 10, 12, 14 and 16 bits that hold the numbers of an image with 16 bits a channel.
-int bitsOf(const cv::Mat& image);
-/// Numbers of `bits` bits as 16; images of 8 bits as they are.
-cv::Mat scaledTo16Bits(const cv::Mat& image, int bits);
+/// Where a good image with alpha is opaque: 0 elsewhere; empty where all of it is.
+cv::Mat opaquePixels(const sensor_msgs::Image& message);
 
 /// `format`: ppm (stored as it is; grey becomes pgm), png (compressed as fast as possible), both without loss; or jpg
-/// (quality 95; 16-bit images become png).
+/// (quality 95; 16-bit images become png). An image with alpha (BGRA) becomes png.
 struct EncodedImage {
   std::vector<std::uint8_t> bytes;
   std::string extension;

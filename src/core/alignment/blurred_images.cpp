@@ -131,12 +131,12 @@ std::shared_ptr<const cv::Mat> loadImage(const AlignmentInput& input, std::size_
 
 std::shared_ptr<const cv::Mat> loadMask(const AlignmentInput& input, std::size_t view) {
   if (!input.masks) return nullptr;
-  auto mask = input.masks(input.views[view].camera);
+  auto mask = input.masks(view);
   if (!mask || mask->empty()) return nullptr;
   const Intrinsics& intrinsics = input.cameras[input.views[view].camera].intrinsics();
   require<std::invalid_argument>(
-      mask->type() == CV_8UC1 && mask->cols == intrinsics.width && mask->rows == intrinsics.height,
-      "the mask of camera ", input.views[view].camera, " must be CV_8UC1 of the camera's size");
+      mask->type() == CV_8UC1 && mask->cols == intrinsics.width && mask->rows == intrinsics.height, "the mask of view ",
+      view, " must be CV_8UC1 of its camera's size");
   return mask;
 }
 

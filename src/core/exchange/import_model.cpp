@@ -7,18 +7,15 @@
 #include <filesystem>
 #include <limits>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <tuple>
 #include <vector>
 
-#include "base/file_io.hpp"
-#include "base/parallel.hpp"
 #include "base/progress.hpp"
-#include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "cloud_colorizer/exchange/colmap.hpp"
+#include "exchange/photos.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -53,15 +50,6 @@ Extent measureCloud(const std::string& path, const Callbacks& callbacks) {
   return extent;
 }
 
-/// Empty where the file cannot be decoded.
-cv::Size imageSize(const std::string& path) {
-  try {
-    return cv::imread(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION).size();
-  } catch (const cv::Exception&) {
-    return {};
-  }
-}
-
 double chooseTileSize(const Extent& extent) {
   const double side = std::max(extent.box.sizes().maxCoeff(), 1e-6);
   const double share = std::sqrt(kPointsPerTile / static_cast<double>(extent.num_points));
@@ -79,26 +67,6 @@ void importCloud(const std::string& path, const Extent& extent, Recorder& record
     recorder.addCloud(block, map_from_center);
     progress.add(count);
   }
-}
-
-/// Of photos that are larger or smaller than the model says by the same factor on both sides.
-Intrinsics scaledTo(const Intrinsics& camera, cv::Size size) {
-  if (size == cv::Size(camera.width, camera.height)) return camera;  // to the bit
-  const double x = static_cast<double>(size.width) / camera.width, y = static_cast<double>(size.height) / camera.height;
-  Intrinsics scaled = camera;
-  scaled.width = size.width;
-  scaled.height = size.height;
-  scaled.fx *= x;
-  scaled.fy *= y;
-  scaled.cx = (camera.cx + 0.5) * x - 0.5;
-  scaled.cy = (camera.cy + 0.5) * y - 0.5;
-  return scaled;
-}
-
-/// But for the rounding of the shorter side.
-bool isScaled(const Intrinsics& camera, cv::Size size) {
-  const double x = static_cast<double>(size.width) / camera.width, y = static_cast<double>(size.height) / camera.height;
-  return std::abs(x - y) * std::min(camera.width, camera.height) <= 1;
 }
 
 /// How often the samples lie in an image, whatever hides them, with the rotations changed by `change`.
@@ -148,54 +116,32 @@ void checkPoses(const ColmapModel& model, const Extent& extent, const Callbacks&
   callbacks.log(LogLevel::kWarning, text.str());
 }
 
-/// Before anything is made of them. What cannot be decoded passes, with the size of its camera: the colouring leaves it
-/// out. Returns the sizes.
-std::vector<cv::Size> checkImages(const std::string& folder, const ColmapModel& model, const Callbacks& callbacks) {
-  for (const ColmapImage& image : model.images) {
-    require(fs::is_regular_file(fs::path(folder) / image.name), "image ", image.name, " of the model is not in ",
-            folder);
-  }
-  std::vector<cv::Size> sizes(model.images.size());
-  ProgressMeter progress(callbacks, "check images", model.images.size());
-  parallelFor(0, model.images.size(), [&](std::size_t i) {
-    const Intrinsics& camera = model.cameras[model.images[i].camera];
-    const std::string& name = model.images[i].name;
-    cv::Size size = imageSize((fs::path(folder) / name).string());
-    if (size.empty()) size = {camera.width, camera.height};
-    const bool is_turned = !isScaled(camera, size) && isScaled(camera, {size.height, size.width});
-    require(isScaled(camera, size), "image ", name, " in ", folder, " is ", size.width, " x ", size.height,
-            " px, but its camera in the model has ", camera.width, " x ", camera.height,
-            is_turned
-                ? "; it seems to be turned (the EXIF orientation is not applied): turn the images as the model has them"
-                : "; give the images that the model was made from, or a model that was scaled with them");
-    sizes[i] = size;
-    progress.add(1);
-  });
-  return sizes;
-}
-
-void importViews(const ModelFiles& files, const ColmapModel& model, const std::vector<cv::Size>& sizes,
-                 Recorder& recorder, const Callbacks& callbacks) {
-  ProgressMeter progress(callbacks, "import images", model.images.size());
+/// One for each size that the photos of a camera of the model have. Returns that of each image.
+std::vector<std::uint32_t> setCameras(const ColmapModel& model, const std::vector<Photo>& photos, Recorder& recorder) {
   using Key = std::tuple<std::size_t, int, int>;  // camera, width, height
   std::map<Key, std::uint32_t> ids;
-  for (std::size_t i = 0; i < model.images.size(); ++i) {
-    const Intrinsics& camera = model.cameras[model.images[i].camera];
-    const Key key = {model.images[i].camera, sizes[i].width, sizes[i].height};
-    if (ids.count(key) != 0) continue;
-    ids[key] = recorder.setCamera("camera_" + std::to_string(model.images[i].camera), scaledTo(camera, sizes[i]));
-    if (sizes[i] == cv::Size(camera.width, camera.height)) continue;
-    std::ostringstream text;
-    text << model.images[i].name << " is " << sizes[i].width << " x " << sizes[i].height << " px and its camera in the "
-         << "model " << camera.width << " x " << camera.height << ": its intrinsics are scaled, as for all such images";
-    if (callbacks.log) callbacks.log(LogLevel::kInfo, text.str());
+  std::vector<std::uint32_t> cameras;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    const std::size_t camera = model.images[i].camera;
+    const cv::Size size = photos[i].size();
+    const Key key = {camera, size.width, size.height};
+    if (ids.count(key) == 0) {
+      ids[key] = recorder.setCamera("camera_" + std::to_string(camera), scaledTo(model.cameras[camera], size));
+    }
+    cameras.push_back(ids[key]);
   }
-  for (std::size_t i = 0; i < model.images.size(); ++i) {
-    const ColmapImage& image = model.images[i];
+  return cameras;
+}
+
+void importViews(const ColmapModel& model, const std::vector<Photo>& photos, Recorder& recorder,
+                 const Callbacks& callbacks) {
+  ProgressMeter progress(callbacks, "import images", photos.size());
+  const std::vector<std::uint32_t> cameras = setCameras(model, photos, recorder);
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    const EncodedPhoto encoded = photos[i].encoded();
     // A model has no times; the order of the images stands for it.
-    recorder.addView(ids.at({image.camera, sizes[i].width, sizes[i].height}), static_cast<double>(i),
-                     image.map_from_camera, readFile((fs::path(files.images) / image.name).string()),
-                     lowerExtension(image.name).erase(0, 1));
+    recorder.addView(cameras[i], static_cast<double>(i), model.images[i].map_from_camera, encoded.bytes,
+                     encoded.extension, photos[i].mask());
     progress.add(1);
   }
 }
@@ -204,13 +150,12 @@ void importViews(const ModelFiles& files, const ColmapModel& model, const std::v
 
 Recording importModel(const ModelFiles& files, const std::string& directory, const RecordParams& params,
                       const Callbacks& callbacks) {
-  require(fs::is_directory(files.images), "images directory ", files.images, " does not exist");
   require(!fs::exists(directory + "/recording.yaml"), directory,
           " already holds a recording; colour it with `colorize`, or name another folder");
   const ColmapModel model = readColmapModel(files.model);
   require(!model.images.empty(), "the model in ", model.directory, " has no images");
   if (model.directory != files.model && callbacks.log) callbacks.log(LogLevel::kInfo, "model: " + model.directory);
-  const std::vector<cv::Size> sizes = checkImages(files.images, model, callbacks);
+  const std::vector<Photo> photos = checkPhotos(files, model, callbacks);
   const Extent extent = measureCloud(files.cloud, callbacks);
   checkPoses(model, extent, callbacks);
   RecordParams adapted = params;
@@ -220,7 +165,7 @@ Recording importModel(const ModelFiles& files, const std::string& directory, con
 
   Recorder recorder(directory, "map", adapted);
   importCloud(files.cloud, extent, recorder, callbacks);
-  importViews(files, model, sizes, recorder, callbacks);
+  importViews(model, photos, recorder, callbacks);
   return recorder.snapshot();
 }
 

@@ -74,7 +74,7 @@ AlignmentInput makeInput(Workspace& work, const Callbacks& callbacks) {
   const std::vector<std::size_t>& views = work.usableViews();
   for (const std::size_t view : views) input.views.push_back(recording.views()[view]);
   input.images = [&work, &views](std::size_t k) { return work.image(views[k]); };
-  input.masks = [&work](std::uint32_t camera) { return work.mask(camera); };
+  input.masks = [&work, &views](std::size_t k) { return work.mask(views[k]); };
   input.points = std::move(sample.surface.points);
   input.surfels = std::move(sample.surface.surfels);
   input.intensity = std::move(sample.intensity);

@@ -22,13 +22,13 @@ class DecodedImages {
   DecodedImages(const DecodedImages&) = delete;
   DecodedImages& operator=(const DecodedImages&) = delete;
 
-  /// RGB, 8 bits. Throws as Recording::readImage().
-  std::shared_ptr<const cv::Mat> get(std::size_t view);
+  /// As Recording::readPixels(), whose errors it throws.
+  std::shared_ptr<const ViewPixels> get(std::size_t view);
 
  private:
   struct Decoded {
-    cv::Mat image;
-    std::shared_ptr<const MappedFile> pixels;  ///< of the image; null where it has its own
+    ViewPixels pixels;
+    std::shared_ptr<const MappedFile> file;  ///< that holds them; null where they are in memory
   };
 
   Decoded load(std::size_t view);

@@ -51,10 +51,16 @@ std::string paramsText(const Params& params, const std::set<std::string>& names,
 /// The images that are used, and the masks.
 std::string imagesKey(const Recording& recording, const ViewList& damaged) {
   Hash hash;
-  for (const View& view : recording.views()) hash.add(view.image).addValue(view.camera);
+  std::error_code error;
+  for (const View& view : recording.views()) {
+    hash.add(view.image).addValue(view.camera);
+    if (view.mask.empty()) continue;
+    const std::string path = recording.directory() + "/" + view.mask;
+    hash.addValue(std::filesystem::file_size(path, error));
+    hash.addValue(std::filesystem::last_write_time(path, error).time_since_epoch().count());
+  }
   for (const std::uint32_t view : damaged) hash.addValue(view);
   for (const auto& camera : recording.cameras()) {
-    std::error_code error;
     hash.add(camera.mask).addValue(std::filesystem::file_size(recording.directory() + "/" + camera.mask, error));
   }
   return line("images and masks", hash.value());

@@ -63,8 +63,6 @@ Workspace::Workspace(const Recording& recording, const Params& params)
           [](const DepthImage& image) { return bytesOf(image); }) {
   for (std::size_t i = 0; i < recording_.cameras().size(); ++i) {
     cameras_.emplace_back(recording_.cameras()[i].intrinsics);
-    cv::Mat mask = recording_.readMask(i);
-    masks_.push_back(mask.empty() ? nullptr : std::make_shared<const cv::Mat>(std::move(mask)));
   }
   std::vector<CorrectedView> as_recorded;
   for (const View& view : recording_.views()) as_recorded.push_back({view.map_from_camera, {}, 1});
@@ -98,8 +96,9 @@ ObservedView Workspace::observedView(std::size_t view) {
   observed.map_from_camera = corrected.map_from_camera;
   observed.exposure = corrected.exposure;
   observed.weight = corrected.weight;
-  observed.image = images_.get(view);
-  observed.mask = masks_[recording_.views()[view].camera];
+  const auto pixels = images_.get(view);
+  observed.image = imageOf(pixels);
+  observed.mask = maskOf(pixels);
   observed.depth = depths_.get(view);
   return observed;
 }

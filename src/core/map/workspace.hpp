@@ -36,8 +36,8 @@ class Workspace {
   /// As far thinned as a view's depth image at that place [m] cannot tell.
   std::shared_ptr<const Surface> surfaceSeenFrom(std::size_t tile, std::size_t view, const Eigen::Vector3d& eye);
   std::shared_ptr<const ScanRanges> scan(std::size_t scan) { return scans_.get(scan); }
-  std::shared_ptr<const cv::Mat> image(std::size_t view) { return images_.get(view); }
-  std::shared_ptr<const cv::Mat> mask(std::size_t camera) const { return masks_[camera]; }
+  std::shared_ptr<const cv::Mat> image(std::size_t view) { return imageOf(images_.get(view)); }
+  std::shared_ptr<const cv::Mat> mask(std::size_t view) { return maskOf(images_.get(view)); }  ///< null: none
   /// What the scans of a view's moment tell; null where there are none. The view may be at another pose than its own.
   std::shared_ptr<const EmptySpace> emptySpace(std::size_t view, const Eigen::Isometry3d& map_from_camera);
   /// Everything that observe() needs of a view.
@@ -60,12 +60,19 @@ class Workspace {
   bool restoreCorrections();
 
  private:
+  static std::shared_ptr<const cv::Mat> imageOf(const std::shared_ptr<const ViewPixels>& pixels) {
+    return {pixels, &pixels->image};
+  }
+  static std::shared_ptr<const cv::Mat> maskOf(const std::shared_ptr<const ViewPixels>& pixels) {
+    if (pixels->mask.empty()) return nullptr;
+    return {pixels, &pixels->mask};
+  }
+
   Recording recording_;
   Params params_;
   MemoryPlan memory_;
   DerivedFiles files_;
   std::vector<Camera> cameras_;
-  std::vector<std::shared_ptr<const cv::Mat>> masks_;
   ViewList damaged_views_;
   std::vector<std::size_t> usable_views_;
   std::vector<CorrectedView> corrections_;  ///< one a view

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 #include <utility>
 
 #include "base/file_io.hpp"
 #include "cloud_colorizer/base/check.hpp"
+#include "recording/image_files.hpp"
 #include "recording/recording_files.hpp"
 
 namespace cloud_colorizer {
@@ -60,14 +60,9 @@ void CameraList::setMask(std::uint32_t camera, const cv::Mat1b& mask) {
   auto cameras = cameras_;
   require<std::invalid_argument>(camera < cameras.size(), "there is no camera ", camera, " for this mask");
   auto& entry = cameras[camera];
-  require<std::invalid_argument>(mask.cols == entry.intrinsics.width && mask.rows == entry.intrinsics.height,
-                                 "the mask of ", entry.name, " is ", mask.cols, " x ", mask.rows,
-                                 ", but its images are ", entry.intrinsics.width, " x ", entry.intrinsics.height);
-  std::vector<std::uint8_t> png;
-  cv::imencode(".png", mask, png);
   entry.mask = "masks/" + entry.name + ".png";
   makeFolder(directory_, "masks");
-  writeFileAtomically(directory_ + '/' + entry.mask, png.data(), png.size());
+  writeMask(directory_ + '/' + entry.mask, mask, entry.intrinsics, entry.name);
   write(std::move(cameras));
 }
 

@@ -17,6 +17,7 @@
 #include "cloud_colorizer/visibility/empty_space.hpp"
 #include "recording/camera_list.hpp"
 #include "recording/cloud_log.hpp"
+#include "recording/image_files.hpp"
 #include "recording/place_points.hpp"
 #include "recording/recording_files.hpp"
 #include "recording/recording_lock.hpp"
@@ -213,7 +214,8 @@ bool Recorder::recognizeView(std::uint32_t camera, double stamp) {
 }
 
 std::size_t Recorder::addView(std::uint32_t camera, double stamp, const Eigen::Isometry3d& map_from_camera,
-                              const std::vector<std::uint8_t>& encoded_image, const std::string& extension) {
+                              const std::vector<std::uint8_t>& encoded_image, const std::string& extension,
+                              const cv::Mat1b& mask) {
   auto& impl = *impl_;
   require<std::invalid_argument>(camera < impl.cameras.cameras().size(), "there is no camera ", camera,
                                  " for this view");
@@ -229,7 +231,13 @@ std::size_t Recorder::addView(std::uint32_t camera, double stamp, const Eigen::I
   view.stamp = stamp;
   view.map_from_camera = map_from_camera;
   view.map_from_camera.translation() -= *impl.info.origin;
-  view.image = "images/" + impl.cameras.cameras()[camera].name + '/' + sixDigits(impl.views.size()) + '.' + extension;
+  const RecordedCamera& recorded = impl.cameras.cameras()[camera];
+  view.image = "images/" + recorded.name + '/' + sixDigits(impl.views.size()) + '.' + extension;
+  std::filesystem::remove(impl.directory + '/' + maskFileOf(view.image));  // of a program that was killed
+  if (!mask.empty()) {
+    view.mask = maskFileOf(view.image);
+    writeMask(impl.directory + '/' + view.mask, mask, recorded.intrinsics, "a view of " + recorded.name);
+  }
   writeFileAtomically(impl.directory + '/' + view.image, encoded_image.data(), encoded_image.size());
   impl.views_table.append(viewLine(view));
   impl.views.push_back(std::move(view));

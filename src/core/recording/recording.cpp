@@ -2,50 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_colorizer/recording/recording.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cstring>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "base/file_io.hpp"
 #include "cloud_colorizer/base/check.hpp"
+#include "recording/image_files.hpp"
 #include "recording/recording_files.hpp"
 #include "recording/recording_tables.hpp"
 #include "recording/tile_file.hpp"
 
 namespace cloud_colorizer {
-
-namespace {
-
-/// libjpeg paints what is missing in grey and says nothing: a whole file has its end marker behind its scan.
-bool isTornJpeg(const std::vector<std::uint8_t>& bytes) {
-  constexpr std::array<std::uint8_t, 2> kStart{0xFF, 0xD8}, kScan{0xFF, 0xDA}, kEnd{0xFF, 0xD9};
-  if (bytes.size() < 2 || !std::equal(kStart.begin(), kStart.end(), bytes.begin())) return false;
-  const auto scan = std::find_end(bytes.begin(), bytes.end(), kScan.begin(), kScan.end());
-  return std::search(scan, bytes.end(), kEnd.begin(), kEnd.end()) == bytes.end();
-}
-
-/// Empty when the file is no whole image.
-cv::Mat decode(const std::string& path, int flags) {
-  const auto bytes = readFile(path);
-  if (bytes.empty() || isTornJpeg(bytes)) return {};
-  try {
-    return cv::imdecode(bytes, flags);
-  } catch (const cv::Exception&) {  // such as a size beyond all bounds; it does not know the path
-    return {};
-  }
-}
-
-cv::Mat decodeImage(const std::string& path, int flags, const Intrinsics& intrinsics) {
-  cv::Mat image = decode(path, flags);
-  require(!image.empty(), "image ", path, " cannot be decoded: it is no image of a known format, or damaged");
-  require(image.cols == intrinsics.width && image.rows == intrinsics.height, "image ", path, " is ", image.cols, " x ",
-          image.rows, ", but its camera in cameras.yaml has ", intrinsics.width, " x ", intrinsics.height);
-  return image;
-}
-
-}  // namespace
 
 Recording Recording::open(const std::string& directory) {
   require(hasRecording(directory), directory,
@@ -124,24 +91,24 @@ std::vector<std::uint8_t> Recording::readRecords(std::size_t tile) const {
                          recordSize(state_->fields));
 }
 
-cv::Mat Recording::readImage(std::size_t view) const {
+ViewPixels Recording::readPixels(std::size_t view) const {
   const auto& entry = state_->views.at(view);
-  cv::Mat image = decodeImage(state_->directory + '/' + entry.image, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION,
-                              state_->cameras.at(entry.camera).intrinsics);
-  cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
-  return image;
+  const Intrinsics& intrinsics = state_->cameras.at(entry.camera).intrinsics;
+  ViewPixels pixels = decodePixels(state_->directory + '/' + entry.image, intrinsics);
+  addMask(readMask(entry.camera), pixels.mask);
+  if (!entry.mask.empty()) addMask(decodeMask(state_->directory + '/' + entry.mask, intrinsics), pixels.mask);
+  return pixels;
 }
 
 cv::Mat Recording::readMask(std::size_t camera) const {
   const auto& entry = state_->cameras.at(camera);
   if (entry.mask.empty()) return {};
-  return decodeImage(state_->directory + '/' + entry.mask, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION,
-                     entry.intrinsics);
+  return decodeMask(state_->directory + '/' + entry.mask, entry.intrinsics);
 }
 
 cv::Mat1w Recording::readScan(std::size_t scan) const {
   const std::string path = state_->directory + '/' + state_->scans.at(scan).image;
-  cv::Mat panorama = decode(path, cv::IMREAD_UNCHANGED);
+  cv::Mat panorama = decodeFile(path, cv::IMREAD_UNCHANGED);
   require(panorama.type() == CV_16UC1 && !panorama.empty(), "scan ", path,
           " is damaged: it is no image of 16 bit ranges; delete scans.csv to colour without scans");
   return panorama;

@@ -6,13 +6,17 @@
 
 #include <cmath>
 #include <filesystem>
+#include <set>
 
 #include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
+#include "recording/image_files.hpp"
 
 namespace cloud_colorizer {
 
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr const char* kViewsHeader = "camera,stamp,x,y,z,qx,qy,qz,qw,image\n";
 constexpr const char* kScansHeader = "stamp,x,y,z,qx,qy,qz,qw,ranges\n";
@@ -79,6 +83,18 @@ std::string wholeLine(const std::string& line, const std::string&) {
   return line;
 }
 
+/// Of views, as they are named in it.
+std::set<std::string> listMasks(const std::string& directory) {
+  std::set<std::string> masks;
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(directory + "/images", error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::string path = fs::path(entry->path()).lexically_relative(directory).string();
+    if (endsWith(path, ".mask.png")) masks.insert(std::move(path));
+  }
+  return masks;
+}
+
 template <class Row>
 Table<Row> readTable(const std::string& path, const std::string& header,
                      Row (*parse)(const std::string&, const std::string&)) {
@@ -103,7 +119,13 @@ Table<Row> readTable(const std::string& path, const std::string& header,
 }  // namespace
 
 Table<View> readViews(const std::string& directory) {
-  return readTable(viewsPath(directory), kViewsHeader, parseView);
+  Table<View> table = readTable(viewsPath(directory), kViewsHeader, parseView);
+  const std::set<std::string> masks = listMasks(directory);
+  for (View& view : table.rows) {
+    const std::string mask = maskFileOf(view.image);
+    if (masks.count(mask) != 0) view.mask = mask;
+  }
+  return table;
 }
 
 Table<Scan> readScans(const std::string& directory) {

@@ -40,6 +40,20 @@ class ImportModel : public ::testing::Test {
     cv::imwrite(path.string(), cv::Mat3b(height, width, cv::Vec3b(1, 2, 3)));
   }
 
+  /// White in the upper left corner of the file, with the EXIF orientation 6: to be turned by 90 degrees clockwise.
+  /// Returns what the file holds, RGB.
+  cv::Mat3b writeTurnedJpeg(const std::string& name, int width, int height) {
+    cv::Mat3b image(height, width, cv::Vec3b(0, 0, 0));
+    image(cv::Rect(0, 0, 16, 16)).setTo(cv::Vec3b(255, 255, 255));
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(".jpg", image, bytes);
+    const std::vector<std::uint8_t> exif = {0xFF, 0xE1, 0, 34,   'E', 'x', 'i', 'f', 0, 0, 'M', 'M', 0, 42, 0, 0, 0, 8,
+                                            0,    1,    1, 0x12, 0,   3,   0,   0,   0, 1, 0,   6,   0, 0,  0, 0, 0, 0};
+    bytes.insert(bytes.begin() + 2, exif.begin(), exif.end());
+    writeText(files_.images + "/" + name, std::string(bytes.begin(), bytes.end()));
+    return image;
+  }
+
   Recording import() {
     RecordParams params;
     params.voxel_size = 0;
@@ -47,7 +61,7 @@ class ImportModel : public ::testing::Test {
   }
 
   ScratchDirectory scratch_;
-  ModelFiles files_{scratch_ / "map.ply", scratch_ / "images", scratch_ / "model"};
+  ModelFiles files_{scratch_ / "map.ply", scratch_ / "images", scratch_ / "model", ""};
   ColmapModel model_;
   Cloud cloud_;
 };
@@ -61,7 +75,7 @@ TEST_F(ImportModel, HasAllPointsViewsAndPoses) {
   for (std::size_t v = 0; v < 2; ++v) {
     const Eigen::Vector3d at = recording.views()[v].map_from_camera.translation() + recording.origin();
     EXPECT_LT((at - model_.images[v].map_from_camera.translation()).norm(), 1e-6);
-    EXPECT_EQ(recording.readImage(v).size(), cv::Size(64, 48));
+    EXPECT_EQ(recording.readPixels(v).image.size(), cv::Size(64, 48));
   }
   Eigen::AlignedBox3d box;
   for (std::size_t tile = 0; tile < recording.tiles().size(); ++tile) {
@@ -121,6 +135,67 @@ TEST_F(ImportModel, APhotoOfAnotherShapeIsToldBeforeTheWork) {
   EXPECT_FALSE(std::filesystem::exists(scratch_ / "r"));
   writeImage("left/a.PNG", 48, 64);
   EXPECT_ERROR(import(), "turned");
+}
+
+TEST_F(ImportModel, APhotoThatItsExifDataTurnsIsTurnedWhereOnlySoItFits) {
+  std::string log;
+  Callbacks callbacks;
+  callbacks.log = [&](LogLevel, const std::string& text) { log += text + '\n'; };
+  RecordParams params;
+  params.voxel_size = 0;
+  const cv::Mat3b lying = writeTurnedJpeg("b.jpg", 64, 48);  // as the model has it: COLMAP does not turn
+  const Recording as_it_is = importModel(files_, scratch_ / "lying", params, callbacks);
+  EXPECT_NE(log.find("b.jpg: has an EXIF orientation, which is not applied"), std::string::npos) << log;
+  EXPECT_LT(cv::norm(as_it_is.readPixels(1).image, lying, cv::NORM_INF), 30);
+  log.clear();
+  writeTurnedJpeg("b.jpg", 48, 64);
+  const Recording turned = importModel(files_, scratch_ / "turned", params, callbacks);
+  EXPECT_NE(log.find("b.jpg: turned as its EXIF orientation says"), std::string::npos) << log;
+  const cv::Mat image = turned.readPixels(1).image;
+  ASSERT_EQ(image.size(), cv::Size(64, 48));
+  EXPECT_GT(image.at<cv::Vec3b>(2, 60)[0], 200);  // the upper left corner is turned to the right
+  EXPECT_LT(image.at<cv::Vec3b>(2, 3)[0], 50);
+}
+
+TEST_F(ImportModel, WhatIsTransparentIsMasked) {
+  cv::Mat4b image(48, 64, cv::Vec4b(9, 8, 7, 255));
+  image(10, 20)[3] = 100;
+  cv::imwrite(files_.images + "/left/a.PNG", image);
+  const Recording recording = import();
+  const ViewPixels pixels = recording.readPixels(0);
+  EXPECT_EQ(pixels.image.at<cv::Vec3b>(5, 5), cv::Vec3b(7, 8, 9));
+  ASSERT_EQ(pixels.mask.size(), cv::Size(64, 48));
+  EXPECT_EQ(cv::countNonZero(pixels.mask), 64 * 48 - 1);
+  EXPECT_EQ(pixels.mask.at<std::uint8_t>(10, 20), 0);
+  EXPECT_TRUE(recording.readPixels(1).mask.empty());
+}
+
+TEST_F(ImportModel, MasksAreFoundByTheNamesOfTheirImages) {
+  files_.masks = scratch_ / "masks";
+  EXPECT_ERROR(import(), "masks");
+  std::filesystem::create_directories(files_.masks + "/left");
+  EXPECT_ERROR(import(), "has no mask of any image, such as left/a.PNG.png");
+  cv::Mat1b mask(24, 32, std::uint8_t{1});  // half the size
+  mask(5, 6) = 0;
+  cv::imwrite(files_.masks + "/left/a.PNG.png", mask);
+  std::string log;
+  Callbacks callbacks;
+  callbacks.log = [&](LogLevel, const std::string& text) { log += text + '\n'; };
+  const Recording recording = importModel(files_, scratch_ / "r", {}, callbacks);
+  EXPECT_NE(log.find("b.jpg: no mask in"), std::string::npos) << log;
+  EXPECT_EQ(cv::countNonZero(recording.readPixels(0).mask), 64 * 48 - 4);
+  EXPECT_EQ(recording.readPixels(0).mask.at<std::uint8_t>(11, 13), 0);
+  EXPECT_TRUE(recording.readPixels(1).mask.empty());
+  cv::imwrite(files_.masks + "/left/a.PNG.png", cv::Mat1b(24, 30));
+  EXPECT_ERROR(importModel(files_, scratch_ / "other", {}, {}), "30 x 24");
+}
+
+TEST_F(ImportModel, PhotosOfTwelveBitsAreFullScale) {
+  cv::imwrite(files_.images + "/left/a.PNG", cv::Mat(48, 64, CV_16UC3, cv::Scalar(1024, 2048, 4095)));
+  const cv::Vec3b color = import().readPixels(0).image.at<cv::Vec3b>(3, 3);
+  EXPECT_NEAR(color[0], 255, 1);
+  EXPECT_NEAR(color[1], 128, 1);
+  EXPECT_NEAR(color[2], 64, 1);
 }
 
 TEST_F(ImportModel, APhotoThatIsMissingIsNamed) {

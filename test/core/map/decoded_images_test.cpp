@@ -27,7 +27,10 @@ class DecodedImagesTest : public ::testing::Test {
       cv::randu(bgr, 0, 255);
       std::vector<std::uint8_t> png;
       cv::imencode(".png", bgr, png);
-      recorder.addView(camera, i, Eigen::Isometry3d::Identity(), png, "png");
+      cv::Mat1b mask;
+      if (i == 2) mask = cv::Mat1b(10, 20, std::uint8_t{255});
+      if (i == 2) mask(3, 4) = 0;
+      recorder.addView(camera, i, Eigen::Isometry3d::Identity(), png, "png", mask);
     }
     return recorder.snapshot();
   }
@@ -35,7 +38,11 @@ class DecodedImagesTest : public ::testing::Test {
   void expectAllRight(DecodedImages& images) const {
     for (std::size_t round = 0; round < 3; ++round) {
       for (std::size_t view = 0; view < 4; ++view) {
-        EXPECT_EQ(cv::norm(*images.get(view), recording_.readImage(view), cv::NORM_INF), 0);
+        const ViewPixels expected = recording_.readPixels(view);
+        const auto pixels = images.get(view);
+        EXPECT_EQ(cv::norm(pixels->image, expected.image, cv::NORM_INF), 0);
+        ASSERT_EQ(pixels->mask.size(), expected.mask.size());
+        EXPECT_TRUE(expected.mask.empty() || cv::norm(pixels->mask, expected.mask, cv::NORM_INF) == 0);
       }
     }
   }
@@ -58,9 +65,10 @@ TEST_F(DecodedImagesTest, WhatDoesNotFitIsDecodedOnceAndItsFolderRemoved) {
     const auto kept = images.get(0);
     for (std::size_t view = 0; view < 4; ++view) {
       std::filesystem::remove(recording_.directory() + '/' + recording_.views()[view].image);
-      EXPECT_EQ(images.get(view)->size(), cv::Size(20, 10));
+      EXPECT_EQ(images.get(view)->image.size(), cv::Size(20, 10));
     }
-    EXPECT_EQ(cv::norm(*kept, *images.get(0), cv::NORM_INF), 0);  // also what has left the cache stays valid
+    EXPECT_EQ(cv::norm(kept->image, images.get(0)->image, cv::NORM_INF),
+              0);  // also what has left the cache stays valid
   }
   EXPECT_FALSE(hasFolder());
 }

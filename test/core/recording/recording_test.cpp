@@ -268,6 +268,27 @@ TEST(Recorder, MaskIsKeptAndMustFitTheImages) {
   EXPECT_ERROR(recorder.setMask(camera, cv::Mat1b(5, 8)), "8 x 5");
 }
 
+TEST(Recorder, AViewMayHaveAMaskOfItsOwn) {
+  ScratchDirectory scratch;
+  Recorder recorder(scratch.path(), "map", {});
+  const auto camera = recorder.setCamera("camera_0", smallCamera());
+  cv::Mat1b of_camera(6, 8, std::uint8_t{255}), of_view = of_camera.clone();
+  of_camera(2, 3) = 0;
+  of_view(4, 5) = 0;
+  recorder.addView(camera, 0, Isometry3d::Identity(), encoded("png"), "png", of_view);
+  recorder.addView(camera, 1, Isometry3d::Identity(), encoded("png"), "png");
+  const Recording recording = recorder.snapshot();
+  EXPECT_EQ(recording.views()[0].mask, "images/camera_0/000000.mask.png");
+  EXPECT_EQ(recording.views()[1].mask, "");
+  EXPECT_EQ(cv::norm(recording.readPixels(0).mask, of_view), 0);
+  EXPECT_TRUE(recording.readPixels(1).mask.empty());
+  recorder.setMask(camera, of_camera);
+  const Recording both = recorder.snapshot();
+  EXPECT_EQ(cv::countNonZero(both.readPixels(0).mask), 46);
+  EXPECT_EQ(cv::norm(both.readPixels(1).mask, of_camera), 0);
+  EXPECT_ERROR(recorder.addView(camera, 2, Isometry3d::Identity(), encoded("png"), "png", cv::Mat1b(5, 8)), "8 x 5");
+}
+
 TEST(Recorder, PosesAndStampsKeepFullPrecision) {
   ScratchDirectory scratch;
   Isometry3d pose = Isometry3d::Identity();
@@ -327,9 +348,9 @@ TEST(Recording, ImagesOfAllDepthsBecomeRgb) {
   recorder.addView(camera, 1, Isometry3d::Identity(), encoded("png", CV_16UC3), "png");
   recorder.addView(camera, 2, Isometry3d::Identity(), encoded("pgm", CV_8UC1), "pgm");
   const auto recording = recorder.snapshot();
-  EXPECT_EQ(recording.readImage(0).at<cv::Vec3b>(3, 4), cv::Vec3b(30, 20, 10));
-  EXPECT_EQ(recording.readImage(1).at<cv::Vec3b>(3, 4), cv::Vec3b(30, 20, 10));
-  EXPECT_EQ(recording.readImage(2).at<cv::Vec3b>(3, 4), cv::Vec3b(10, 10, 10));
+  EXPECT_EQ(recording.readPixels(0).image.at<cv::Vec3b>(3, 4), cv::Vec3b(30, 20, 10));
+  EXPECT_EQ(recording.readPixels(1).image.at<cv::Vec3b>(3, 4), cv::Vec3b(30, 20, 10));
+  EXPECT_EQ(recording.readPixels(2).image.at<cv::Vec3b>(3, 4), cv::Vec3b(10, 10, 10));
 }
 
 TEST(Recording, DamagedImagesAreNamed) {
@@ -344,13 +365,13 @@ TEST(Recording, DamagedImagesAreNamed) {
     bytes.resize(bytes.size() - 10);
     const auto torn = recorder.addView(camera, 0, Isometry3d::Identity(), bytes, extension);
     const auto recording = recorder.snapshot();
-    EXPECT_NO_THROW(recording.readImage(torn - 1)) << extension;
-    EXPECT_ERROR(recording.readImage(torn), recording.views()[torn].image);
+    EXPECT_NO_THROW(recording.readPixels(torn - 1).image) << extension;
+    EXPECT_ERROR(recording.readPixels(torn).image, recording.views()[torn].image);
   }
   const auto wrong_size = recorder.addView(camera, 0, Isometry3d::Identity(), encoded("png"), "png");
-  EXPECT_ERROR(recorder.snapshot().readImage(wrong_size), "8 x 6");
+  EXPECT_ERROR(recorder.snapshot().readPixels(wrong_size).image, "8 x 6");
   std::filesystem::remove_all(scratch / "images");
-  EXPECT_ERROR(recorder.snapshot().readImage(0), "No such file");
+  EXPECT_ERROR(recorder.snapshot().readPixels(0).image, "No such file");
 }
 
 TEST(Recording, WhatIsNoRecordingIsRefused) {
@@ -531,7 +552,7 @@ TEST(Recording, SurvivesSigkillAtAnyMoment) {
       if (id != start) continue;
       EXPECT_EQ(position, randomPositions(500, 30, start)[0].cast<float>());
     }
-    for (std::size_t v = 0; v < recording.views().size(); ++v) EXPECT_NO_THROW(recording.readImage(v));
+    for (std::size_t v = 0; v < recording.views().size(); ++v) EXPECT_NO_THROW(recording.readPixels(v).image);
     EXPECT_GE(recording.views().back().stamp, done - 500);
   }
 }
@@ -557,7 +578,7 @@ TEST(Recording, FullDiskIsReportedAndLeavesWhatWasThere) {
   const auto recording = Recording::open(directory);
   const auto after = pointsById(recording);
   for (const auto& [id, position] : before) EXPECT_EQ(after.at(id), position);
-  EXPECT_EQ(cv::norm(recording.readImage(0), cv::Mat(6, 8, CV_8UC3, cv::Scalar(30, 20, 10))), 0);
+  EXPECT_EQ(cv::norm(recording.readPixels(0).image, cv::Mat(6, 8, CV_8UC3, cv::Scalar(30, 20, 10))), 0);
 }
 
 }  // namespace
