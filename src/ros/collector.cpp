@@ -13,6 +13,7 @@
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
 #include "ros/camera_stream.hpp"
+#include "ros/deskew.hpp"
 #include "ros/node_log.hpp"
 #include "ros/transform_buffer.hpp"
 #include "ros/view_writer.hpp"
@@ -49,6 +50,10 @@ struct Collector::Impl {
         map_frame(withoutSlash(params_in.map_frame)),
         sensor_frame(withoutSlash(params_in.sensor_frame)),
         transforms(std::max(kTfCache, 2 * params_in.tf_wait), params_in.tf_max_gap, stillness(params_in.record)),
+        deskewer(params_in.deskew,
+                 [this](LogLevel level, const std::string& text) {
+                   if (events.log) events.log(level, text);
+                 }),
         writer(params_in.encode_threads, params_in.raw_image_format,
                [this](const PendingView& view) { viewKept(view); }) {
     params.check();
@@ -120,6 +125,7 @@ struct Collector::Impl {
     process();  // what can still be used
     clearQueues();
     transforms.clear();
+    deskewer.startAnew();
     last_stamps.clear();
     newest = 0;
   }
@@ -179,21 +185,48 @@ struct Collector::Impl {
     return scanner;
   }
 
-  Outcome recordCloud(const sensor_msgs::PointCloud2& message) {
+  static std::string frameOf(const sensor_msgs::PointCloud2& message) {
+    std::string frame = withoutSlash(message.header.frame_id);
+    if (frame.empty()) throw Refused{Outcome::kMalformed, "the header's frame_id is empty"};
+    return frame;
+  }
+
+  /// The message's cloud in its own frame. Throws Refused.
+  Sweep readSweep(const sensor_msgs::PointCloud2& message) const {
     checkHeader(message.header);
     const ros::Time stamp = shifted(message.header.stamp, params.cloud_time_offset);
-    const std::string frame = withoutSlash(message.header.frame_id);
-    if (frame.empty()) throw Refused{Outcome::kMalformed, "the header's frame_id is empty"};
-    const std::string sensor = sensorOf(frame);
-    const Isometry map_from_sensor = transforms.lookUp(map_frame, sensor, stamp);
-    const Isometry sensor_from_cloud = transforms.lookUp(sensor, frame, stamp);
-    Cloud cloud;
+    const std::string frame = frameOf(message);
+    Sweep sweep;
+    sweep.stamp = message.header.stamp.toSec();
+    sweep.pose = [this, frame, stamp](double seconds) {
+      return transforms.lookUp(map_frame, frame, shifted(stamp, seconds));
+    };
     try {
-      cloud = cloudFromMessage(message);
+      sweep.cloud = cloudFromMessage(message);
     } catch (const Invalid& error) {
       throw Refused{Outcome::kMalformed, error.what()};
     }
-    if (frame != map_frame) dropZeroReturns(cloud);
+    if (frame != map_frame) dropZeroReturns(sweep.cloud);
+    return sweep;
+  }
+
+  WaitingSweeps waitingSweeps() const {
+    return {clouds.size(), [this](std::size_t i) { return stampOf(clouds[i]); },
+            [this](std::size_t i) { return readSweep(*clouds[i]); }};
+  }
+
+  Outcome recordCloud(const sensor_msgs::PointCloud2& message) {
+    checkHeader(message.header);
+    const bool may_wait = !waitedEnough(stampOf(message));
+    if (may_wait && deskewer.waitsFor(stampOf(clouds.back()))) throw NotYet{{Outcome::kNoTransform, ""}};
+    const ros::Time stamp = shifted(message.header.stamp, params.cloud_time_offset);
+    const std::string frame = frameOf(message);
+    const std::string sensor = sensorOf(frame);
+    const Isometry map_from_sensor = transforms.lookUp(map_frame, sensor, stamp);
+    const Isometry sensor_from_cloud = transforms.lookUp(sensor, frame, stamp);
+    Sweep sweep = readSweep(message);
+    if (frame != map_frame) deskewer.apply(sweep, waitingSweeps(), may_wait);
+    Cloud& cloud = sweep.cloud;
     if (sensor != frame) cloud.positions = sensor_from_cloud * cloud.positions;
     const CloudSource source = {frame, stamp.toSec()};
     const bool recorded_before = recorder->recognizeCloud(source);
@@ -294,7 +327,8 @@ struct Collector::Impl {
     }
   }
 
-  static double stampOf(const sensor_msgs::PointCloud2ConstPtr& cloud) { return cloud->header.stamp.toSec(); }
+  static double stampOf(const sensor_msgs::PointCloud2& cloud) { return cloud.header.stamp.toSec(); }
+  static double stampOf(const sensor_msgs::PointCloud2ConstPtr& cloud) { return stampOf(*cloud); }
   static double stampOf(const ImageMessage& image) { return image.header.stamp.toSec(); }
 
   void process() {
@@ -341,6 +375,7 @@ struct Collector::Impl {
   CollectorEvents events;
   std::string map_frame, sensor_frame;
   TransformBuffer transforms;
+  Deskewer deskewer;
   CollectorStats stats;
   std::vector<CameraStream> cameras;
   std::deque<sensor_msgs::PointCloud2ConstPtr> clouds;

@@ -70,6 +70,8 @@ void CollectorParams::check() const {
   require<std::invalid_argument>(raw_image_format == "png" || raw_image_format == "ppm" || raw_image_format == "jpg",
                                  "parameter raw_image_format = \"", raw_image_format,
                                  "\" must be one of: ppm, png, jpg");
+  require<std::invalid_argument>(deskew == "auto" || deskew == "on" || deskew == "off", "parameter deskew = \"", deskew,
+                                 "\" must be one of: auto, on, off");
   requireInRange("tf_max_gap", tf_max_gap, 0.0, 1e9);
   requireInRange("cloud_time_offset", cloud_time_offset, -kMaxOffset, kMaxOffset);
   requireInRange("encode_threads", encode_threads, 1, 64);

@@ -41,9 +41,10 @@ sensor_msgs::PointCloud2Ptr cloudFromLivox(std::vector<std::uint8_t>& message) {
     return cloud;
   }
   if (num_points > stream.getLength() / kPointSize) return cloud;
-  cloud->fields = {field("x", 4, PointField::FLOAT32),  field("y", 8, PointField::FLOAT32),
-                   field("z", 12, PointField::FLOAT32), field("intensity", 16, PointField::UINT8),
-                   field("tag", 17, PointField::UINT8), field("line", 18, PointField::UINT8)};
+  cloud->fields = {field("x", 4, PointField::FLOAT32),         field("y", 8, PointField::FLOAT32),
+                   field("z", 12, PointField::FLOAT32),        field("intensity", 16, PointField::UINT8),
+                   field("tag", 17, PointField::UINT8),        field("line", 18, PointField::UINT8),
+                   field("offset_time", 0, PointField::UINT32)};
   cloud->height = 1;
   cloud->width = num_points;
   cloud->point_step = kPointSize;

@@ -102,7 +102,7 @@ std::vector<Return> takeScan(const Scene& scene, const Drive& drive, int frame) 
       Return r;
       const Eigen::Vector3d measured =
           map_from_lidar.translation() + (echo->range + o.range_noise * gaussian(keyOf(key, 1))) * direction;
-      r.point = (lidar_from_map * measured).cast<float>();
+      r.point = ((o.skewed ? map_from_lidar.inverse() : lidar_from_map) * measured).cast<float>();
       r.intensity = intensityOf(scene, echo->hit, -echo->hit.normal.dot(direction), keyOf(key, 2));
       r.ring = static_cast<std::uint16_t>(beam);
       r.time = static_cast<float>(time);

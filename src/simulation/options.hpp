@@ -40,6 +40,7 @@ struct Options {
   int azimuths = 1250;         ///< firings a revolution
   double lidar_range = 60;     ///< m
   double range_noise = 0.015;  ///< m, standard deviation
+  bool skewed = false;         ///< points as they were measured; else as of the stamp of their scan
   double beam_divergence = 0;  ///< mrad, full angle; what lies in a beam is mixed
 
   double pose_noise_deg = 0.06;       ///< deg, standard deviation an axis, of the vehicle's pose
@@ -92,6 +93,8 @@ void visitOptions(Options_& o, F&& f) {
   f("azimuths", o.azimuths, Range{1, 10000}, "firings a revolution of the LiDAR");
   f("lidar-range", o.lidar_range, Range{1.0, 500.0}, "m, the farthest return");
   f("range-noise", o.range_noise, Range{0.0, 1.0}, "m, standard deviation of a range");
+  f("skewed", o.skewed, Range{},
+    "points are in the frame of the moment at which each was measured; else their motion is undone");
   f("beam-divergence", o.beam_divergence, Range{0.0, 20.0},
     "mrad, full angle: ranges scatter with slant, and mix at edges");
   f("pose-noise-deg", o.pose_noise_deg, Range{0.0, 10.0}, "deg, standard deviation of the vehicle's attitude an axis");

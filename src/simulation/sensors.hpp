@@ -43,7 +43,7 @@ cv::Mat3b exposeImage(const cv::Mat3f& image, const Color& gain, double vignetti
 cv::Mat3b takeImage(const Scene& scene, const Drive& drive, const PixelRays& rays, int camera, int frame);
 
 struct Return {
-  Eigen::Vector3f point{0, 0, 0};  ///< m, LiDAR's frame at the scan's stamp (motion compensated), with range noise
+  Eigen::Vector3f point{0, 0, 0};  ///< m, LiDAR's frame at the scan's stamp (at its time if skewed), with range noise
   float intensity = 0;             ///< 0 to 255
   std::uint16_t ring = 0;          ///< 0: the lowest beam
   float time = 0;                  ///< s after the scan's stamp

@@ -44,6 +44,9 @@ struct CollectorParams {
   double tf_wait = 2;            ///< s of message time that a message waits for its transform
   double tf_max_gap = 0.5;       ///< s between two transforms of a frame that moves, which may be interpolated; 0: any
   double cloud_time_offset = 0;  ///< s, added to the stamps of the clouds
+  /// Whether the motion of the sensor during a cloud is undone by the times of its points: on, off, or auto: where that
+  /// makes the map thinner. Clouds whose points have no time are taken as they are.
+  std::string deskew = "auto";
   /// ppm, png or jpg, of raw images. ppm is the default because OpenCV 4.6 needs about 200 ms for a 1 Mpixel PNG (1.6
   /// ms for a PPM, 11 ms for a JPEG), and 20 such images may come in a second.
   std::string raw_image_format = "ppm";

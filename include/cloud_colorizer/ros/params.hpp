@@ -39,6 +39,8 @@ void visitCollectorParams(CollectorParamsT& p, F&& f) {
   f("tf_wait", p.tf_wait, "s of message time that a cloud or an image waits for its transform");
   f("tf_max_gap", p.tf_max_gap, "s between two transforms of a frame that moves, which may be interpolated; 0: any");
   f("cloud_time_offset", p.cloud_time_offset, "s added to the cloud stamps");
+  f("deskew", p.deskew,
+    "auto, on or off: undo the motion during a cloud by the times of its points; auto: where the map gets thinner");
   f("raw_image_format", p.raw_image_format,
     "ppm (fast), png (half the size, slow) or jpg (small, lossy): how raw images are kept");
   f("encode_threads", p.encode_threads, "threads that encode raw images");
