@@ -9,17 +9,6 @@
 #include "cloud_colorizer/exchange/colmap.hpp"
 #include "cloud_colorizer/exchange/import_model.hpp"
 
-namespace {
-
-/// As the model has them: its images were imported in their order.
-std::vector<std::string> imageNames(const std::string& model) {
-  std::vector<std::string> names;
-  for (const auto& image : cloud_colorizer::readColmapModel(model).images) names.push_back(image.name);
-  return names;
-}
-
-}  // namespace
-
 int main(int argc, char** argv) {
   using namespace cloud_colorizer;
   CommandSpec spec;
@@ -49,7 +38,7 @@ int main(int argc, char** argv) {
         importModel({line.option("cloud"), line.option("images"), line.option("model"), line.option("masks")},
                     scratch.path(), line.params.record, callbacks);
     scratch.setWhole();
-    const auto names = writes_model ? imageNames(line.option("model")) : std::vector<std::string>{};
+    const auto names = writes_model ? namesOfViews(readColmapModel(line.option("model"))) : std::vector<std::string>{};
     const ColorizeSummary summary = colorAndSave(recording, line, callbacks, names);
     scratch.setDone();
     requireColored(summary);

@@ -65,7 +65,7 @@ CameraStream::CameraStream(const CameraParams& params, std::size_t number)
 
 std::string CameraStream::frameOf(const ImageMessage& image) const {
   std::string frame = withoutSlash(image.header.frame_id);
-  if (frame.empty()) frame = withoutSlash(info_->header.frame_id);
+  if (frame.empty() && info_) frame = withoutSlash(info_->header.frame_id);
   if (frame.empty()) throw Refused{Outcome::kMalformed, "neither the image nor its camera_info has a frame_id"};
   return frame;
 }
@@ -74,13 +74,15 @@ void CameraStream::takeInfo(const sensor_msgs::CameraInfoConstPtr& message, doub
                             const Say& say) {
   if (info_ && sameCamera(*info_, *message)) return;
   info_ = message;
+  if (params_.isPanorama()) return;  // only its frame counts
   readInfo(into, max_image_size, say);
 }
 
 void CameraStream::enter(Recorder& into, double max_image_size, const Say& say) {
   last_kept_.reset();
   resumed_at_.reset();
-  if (info_) readInfo(into, max_image_size, say);
+  faces_.clear();
+  if (info_ && !params_.isPanorama()) readInfo(into, max_image_size, say);
 }
 
 void CameraStream::readInfo(Recorder& into, double max_image_size, const Say& say) {
@@ -91,14 +93,7 @@ void CameraStream::readInfo(Recorder& into, double max_image_size, const Say& sa
     if (!result.warning.empty()) say(LogLevel::kWarning, "info", result.warning);
     intrinsics_ = result.intrinsics;
     baseline_ = result.baseline;
-    const double size = 1e-6 * intrinsics_.width * intrinsics_.height;
-    if (size > max_image_size) info_error_.outcome = Outcome::kTooLarge;
-    require<Invalid>(size <= max_image_size, "camera_info: an image of ", intrinsics_.width, " x ", intrinsics_.height,
-                     " px is larger than ~max_image_size = ", max_image_size,
-                     " Mpx; raise it if the camera has so many pixels");
-    require<Invalid>(mask_.empty() || mask_.size() == cv::Size(intrinsics_.width, intrinsics_.height), "the mask ",
-                     params_.mask, " is ", mask_.cols, " x ", mask_.rows, ", but the images are ", intrinsics_.width,
-                     " x ", intrinsics_.height);
+    checkSize(max_image_size);
   } catch (const Invalid& error) {
     info_error_.reason = error.what();
     return;
@@ -107,12 +102,51 @@ void CameraStream::readInfo(Recorder& into, double max_image_size, const Say& sa
   if (!mask_.empty()) into.setMask(*id_, mask_);
 }
 
+/// Throws std::invalid_argument; then info_error_ has the outcome.
+void CameraStream::checkSize(double max_image_size) {
+  const double size = 1e-6 * intrinsics_.width * intrinsics_.height;
+  if (size > max_image_size) info_error_.outcome = Outcome::kTooLarge;
+  require<Invalid>(size <= max_image_size, "camera_info: an image of ", intrinsics_.width, " x ", intrinsics_.height,
+                   " px is larger than ~max_image_size = ", max_image_size,
+                   " Mpx; raise it if the camera has so many pixels");
+  require<Invalid>(mask_.empty() || mask_.size() == cv::Size(intrinsics_.width, intrinsics_.height), "the mask ",
+                   params_.mask, " is ", mask_.cols, " x ", mask_.rows, ", but the images are ", intrinsics_.width,
+                   " x ", intrinsics_.height);
+}
+
 void CameraStream::takeMask(ImageMessage mask) {
   masks_.push_back(std::move(mask));
   if (masks_.size() > kMaxMasks) masks_.pop_front();
 }
 
-PendingView CameraStream::newView() const {
+PendingView CameraStream::newPanorama(const ImageMessage& image, double max_image_size, Recorder& into) {
+  PendingView view;
+  const cv::Size size = inspectSize(image, view);
+  if (faces_.empty() || size != cv::Size(intrinsics_.width, intrinsics_.height)) {
+    intrinsics_.width = size.width;
+    intrinsics_.height = size.height;
+    info_error_.outcome = Outcome::kSizeMismatch;
+    try {
+      checkPanorama(size);
+      checkSize(max_image_size);
+    } catch (const Invalid& error) {
+      throw Refused{info_error_.outcome, error.what()};
+    }
+    faces_.clear();
+    for (PanoramaFace& face : panoramaFaces(size.width)) {
+      const std::uint32_t id = into.setCamera(name_ + '_' + face.name, face.intrinsics);
+      if (!mask_.empty()) into.setMask(id, cutMask(mask_, face));
+      faces_.push_back({std::move(face), id});
+    }
+  }
+  view.id = faces_.front().id;
+  view.intrinsics = intrinsics_;
+  view.faces = faces_;
+  return view;
+}
+
+PendingView CameraStream::newView(const ImageMessage& image, double max_image_size, Recorder& into) {
+  if (params_.isPanorama()) return newPanorama(image, max_image_size, into);
   if (!info_) throw NotYet{{Outcome::kNoCameraInfo, "no camera_info has come"}};
   if (!id_) throw info_error_;
   PendingView view;

@@ -50,7 +50,7 @@ class CameraStream {
   void takeMask(ImageMessage mask);
 
   /// Id and intrinsics. Throws NotYet, or Refused where there is no good camera_info.
-  PendingView newView() const;
+  PendingView newView(const ImageMessage& image, double max_image_size, Recorder& into);
   /// Whether an earlier program recorded this view. A bag that is read again chooses the keyframes that it chose the
   /// first time: by what lies before them in the bag.
   bool isRecorded(const PendingView& view, Recorder& recorder);
@@ -67,6 +67,8 @@ class CameraStream {
 
  private:
   void readInfo(Recorder& into, double max_image_size, const Say& say);
+  PendingView newPanorama(const ImageMessage& image, double max_image_size, Recorder& into);
+  void checkSize(double max_image_size);
   int bitsOfCamera(const ImageMessage& image, const Say& say);
   cv::Mat1b maskOf(const ImageMessage& image) const;
 
@@ -75,6 +77,7 @@ class CameraStream {
   cv::Mat1b mask_;                        ///< of the file
   sensor_msgs::CameraInfoConstPtr info_;  ///< the newest
   std::optional<std::uint32_t> id_;       ///< in the recording; set when the camera_info is good
+  std::vector<PendingFace> faces_;        ///< of a panorama, from its first image on
   Intrinsics intrinsics_;
   int bits_ = 0;                                     ///< of images with 16 bits a channel; 0: none came yet
   Eigen::Vector3d baseline_{0, 0, 0};                ///< m

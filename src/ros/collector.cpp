@@ -285,7 +285,7 @@ struct Collector::Impl {
     CameraStream& camera = cameras[number];
     checkHeader(image.header);
     camera.dropMasksBefore(image.header.stamp);
-    PendingView view = camera.newView();
+    PendingView view = camera.newView(image, params.max_image_size, *recorder);
     view.camera = number;
     const ros::Time stamp = shifted(image.header.stamp, camera.params().time_offset);
     view.stamp = stamp.toSec();

@@ -79,6 +79,8 @@ void CollectorParams::check() const {
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const std::string name = "camera_" + std::to_string(i) + "/time_offset";
     requireInRange(name.c_str(), cameras[i].time_offset, -kMaxOffset, kMaxOffset);
+    require<std::invalid_argument>(cameras[i].model == "camera_info" || cameras[i].isPanorama(), "parameter camera_", i,
+                                   "/model = \"", cameras[i].model, "\" must be one of: camera_info, equirectangular");
     const std::string bits = "camera_" + std::to_string(i) + "/bits";
     if (cameras[i].bits != 0) requireInRange(bits.c_str(), cameras[i].bits, 9, 16);
   }

@@ -109,8 +109,10 @@ struct ColorizerNode::Impl {
                                           [](Collector& to, const auto& message) { to.addCloud(message); });
     for (std::size_t i = 0; i < params.node.collector.cameras.size(); ++i) {
       const std::string camera = "camera_" + std::to_string(i);
-      subscribeTo<sensor_msgs::CameraInfo>(camera + "/camera_info", true,
-                                           [i](Collector& to, const auto& message) { to.addCameraInfo(i, message); });
+      if (!params.node.collector.cameras[i].isPanorama()) {
+        subscribeTo<sensor_msgs::CameraInfo>(camera + "/camera_info", true,
+                                             [i](Collector& to, const auto& message) { to.addCameraInfo(i, message); });
+      }
       if (params.node.collector.cameras[i].masks) {
         subscribeTo<sensor_msgs::Image>(camera + "/mask", true,
                                         [i](Collector& to, const auto& message) { to.addMask(i, message); });

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ros/view_writer.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 #include <vector>
@@ -33,14 +34,16 @@ ViewWriter::ViewWriter(int num_threads, const std::string& raw_image_format, Kep
     : raw_image_format_(raw_image_format), kept_(std::move(kept)), pool_(num_threads) {}
 
 void ViewWriter::add(PendingView view, const sensor_msgs::ImageConstPtr& raw, Recorder& recorder) {
-  view.encoded = encode(raw, view.bits);
+  view.encoded = encode(raw, view, raw_image_format_);
   views_.push_back(std::move(view));
   writeReady(recorder);
 }
 
 void ViewWriter::add(PendingView view, const sensor_msgs::CompressedImageConstPtr& compressed, Recorder& recorder) {
-  if (view.is_decoded) {
-    view.encoded = encode(compressed, view.bits);
+  if (!view.faces.empty()) {
+    view.encoded = encode(compressed, view, view.extension);  // with loss only where it has come with loss
+  } else if (view.is_decoded) {
+    view.encoded = encode(compressed, view, raw_image_format_);
   } else {
     view.bytes = SharedBytes(&compressed->data, [keep = compressed](const void*) {});
   }
@@ -49,9 +52,15 @@ void ViewWriter::add(PendingView view, const sensor_msgs::CompressedImageConstPt
 }
 
 template <class MessagePtr>
-std::future<EncodedImage> ViewWriter::encode(const MessagePtr& message, int bits) {
-  return pool_.run([message, bits, format = raw_image_format_] {
-    return encodeImage(withAlpha(scaledTo16Bits(imageFromMessage(*message), bits), opaqueOf(*message)), format);
+std::future<std::vector<EncodedImage>> ViewWriter::encode(const MessagePtr& message, const PendingView& view,
+                                                          const std::string& format) {
+  return pool_.run([message, bits = view.bits, faces = view.faces, format] {
+    const cv::Mat image = withAlpha(scaledTo16Bits(imageFromMessage(*message), bits), opaqueOf(*message));
+    std::vector<EncodedImage> encoded;
+    encoded.reserve(std::max<std::size_t>(1, faces.size()));
+    for (const PendingFace& face : faces) encoded.push_back(encodeImage(cutFace(image, face.face), format));
+    if (faces.empty()) encoded.push_back(encodeImage(image, format));
+    return encoded;
   });
 }
 
@@ -63,14 +72,31 @@ void ViewWriter::write(std::size_t max_left, Recorder& recorder) {
     if (!ready && views_.size() <= max_left) return;
     PendingView view = std::move(views_.front());
     views_.pop_front();
-    if (view.encoded.valid()) {
-      EncodedImage encoded = view.encoded.get();
-      view.extension = encoded.extension;
-      view.bytes = std::make_shared<const std::vector<std::uint8_t>>(std::move(encoded.bytes));
+    if (!view.encoded.valid()) {
+      record(view, recorder);
+      continue;
     }
-    recorder.addView(view.id, view.stamp, view.map_from_camera, *view.bytes, view.extension, view.mask);
-    if (kept_) kept_(view);
+    std::vector<EncodedImage> encoded = view.encoded.get();
+    const Eigen::Isometry3d map_from_panorama = view.map_from_camera;
+    const cv::Mat mask_of_panorama = view.mask;
+    for (std::size_t i = 0; i < encoded.size(); ++i) {
+      if (!view.faces.empty()) {
+        const PanoramaFace& face = view.faces[i].face;
+        view.id = view.faces[i].id;
+        view.intrinsics = face.intrinsics;
+        view.map_from_camera.linear() = map_from_panorama.linear() * face.panorama_from_face;
+        view.mask = cutMask(mask_of_panorama, face);
+      }
+      view.extension = encoded[i].extension;
+      view.bytes = std::make_shared<const std::vector<std::uint8_t>>(std::move(encoded[i].bytes));
+      record(view, recorder);
+    }
   }
+}
+
+void ViewWriter::record(const PendingView& view, Recorder& recorder) {
+  recorder.addView(view.id, view.stamp, view.map_from_camera, *view.bytes, view.extension, view.mask);
+  if (kept_) kept_(view);
 }
 
 }  // namespace cloud_colorizer

@@ -9,13 +9,21 @@
 #include <functional>
 #include <future>
 #include <string>
+#include <vector>
 
+#include "camera/panorama.hpp"
 #include "cloud_colorizer/recording/recorder.hpp"
 #include "cloud_colorizer/ros/collector.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
 #include "ros/encoder_pool.hpp"
 
 namespace cloud_colorizer {
+
+/// A face of a panorama, and its camera in the recording.
+struct PendingFace {
+  PanoramaFace face;
+  std::uint32_t id = 0;
+};
 
 /// A view whose image may still be with an encoder.
 struct PendingView {
@@ -26,10 +34,12 @@ struct PendingView {
   Intrinsics intrinsics;
   SharedBytes bytes;  ///< of a compressed image, as received
   std::string extension;
-  bool is_decoded = false;  ///< a compressed image that is not kept as received: a mosaic, or scaled to 16 bits
-  cv::Mat1b mask;           ///< of this view alone; empty: none
-  int bits = 16;            ///< of 16 bits a channel, those that are filled
-  std::future<EncodedImage> encoded;  ///< of a raw image, or of one that is decoded
+  bool is_decoded = false;         ///< a compressed image that is not kept as received: a mosaic, or scaled to 16 bits
+  cv::Mat1b mask;                  ///< of this view alone; empty: none
+  int bits = 16;                   ///< of 16 bits a channel, those that are filled
+  std::vector<PendingFace> faces;  ///< of a panorama: what is recorded instead of it
+  /// Of a raw image, of one that is decoded, or of each face.
+  std::future<std::vector<EncodedImage>> encoded;
 };
 
 class ViewWriter {
@@ -51,14 +61,16 @@ class ViewWriter {
   static constexpr std::size_t kMaxEncoding = 8;  // images in work
 
   template <class MessagePtr>
-  std::future<EncodedImage> encode(const MessagePtr& message, int bits);
+  std::future<std::vector<EncodedImage>> encode(const MessagePtr& message, const PendingView& view,
+                                                const std::string& format);
+  void record(const PendingView& view, Recorder& recorder);
   /// Writes the views that are encoded, and waits where more than `max_left` would be left.
   void write(std::size_t max_left, Recorder& recorder);
 
   std::string raw_image_format_;
   Kept kept_;
   std::deque<PendingView> views_;
-  EncoderPool<EncodedImage> pool_;  ///< last: its threads end before what they use
+  EncoderPool<std::vector<EncodedImage>> pool_;  ///< last: its threads end before what they use
 };
 
 }  // namespace cloud_colorizer

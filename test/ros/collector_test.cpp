@@ -368,6 +368,26 @@ TEST_F(CollectorTest, EveryImageWaitsForItsMask) {
   EXPECT_EQ(cv::countNonZero(recording.readPixels(1).mask), 0);
 }
 
+TEST_F(CollectorTest, APanoramaBecomesSixViewsWithoutACameraInfo) {
+  params_.cameras[0].model = "equirectangular";
+  drive(10, 12);
+  addImage(10.5, imageMessage("mono8", 80, 40, {100, 100}));
+  addImage(11.5, imageMessage("mono8", 80, 60, {100, 100}));
+  EXPECT_EQ(imageCount(Outcome::kKept), 1U);
+  EXPECT_EQ(imageCount(Outcome::kSizeMismatch), 1U);
+  const Recording recording = finished();
+  ASSERT_EQ(recording.views().size(), 6U);
+  ASSERT_EQ(recording.cameras().size(), 6U);
+  EXPECT_EQ(recording.cameras()[1].name, "camera_0_right");
+  const Eigen::Isometry3d front = recording.views()[0].map_from_camera;
+  EXPECT_LT((front.translation() - recording.views()[1].map_from_camera.translation()).norm(), 1e-9);
+  const Eigen::Vector3d ahead = recording.views()[1].map_from_camera.linear().col(2);
+  EXPECT_LT((ahead - front.linear().col(0)).norm(), 1e-9);  // the right face looks along x of the camera
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(recording.readPixels(i).image.at<cv::Vec3b>(9, 9), cv::Vec3b(100, 100, 100));
+  }
+}
+
 TEST_F(CollectorTest, AMaskOfAnotherShapeIsRefused) {
   params_.cameras[0].masks = true;
   addInfo();

@@ -13,7 +13,9 @@
 
 namespace cloud_colorizer {
 
-enum class DistortionModel { kPlumbBob, kRationalPolynomial, kEquidistant };
+/// kEquirectangular: a panorama of all directions, twice as wide as high, whose other numbers say nothing. It is cut
+/// into pinhole images before anything else; Camera does not project with it.
+enum class DistortionModel { kPlumbBob, kRationalPolynomial, kEquidistant, kEquirectangular };
 
 /// The name that sensor_msgs/CameraInfo uses for the model, and back (throws std::invalid_argument on another name).
 std::string toString(DistortionModel model);
@@ -27,6 +29,10 @@ struct Intrinsics {
   DistortionModel model = DistortionModel::kPlumbBob;
   std::vector<double> distortion;
 };
+
+inline bool isPanorama(const Intrinsics& intrinsics) {
+  return intrinsics.model == DistortionModel::kEquirectangular;
+}
 
 /// Projects points of the optical frame (z forward, x right, y down) into the image.
 /// A point is projected only where the model is one-to-one: its angle to the optical axis is below maxAngle(), the

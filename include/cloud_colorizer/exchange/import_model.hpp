@@ -5,8 +5,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "cloud_colorizer/base/types.hpp"
+#include "cloud_colorizer/exchange/colmap.hpp"
 #include "cloud_colorizer/recording/recorder.hpp"
 
 namespace cloud_colorizer {
@@ -22,8 +24,11 @@ struct ModelFiles {
 /// apply, since nobody knows where the points were measured from. A `tile_size` of 0 is chosen from the extent of the
 /// cloud. Images that are larger or smaller than their camera by one factor get scaled intrinsics; what is transparent
 /// in them colours nothing. Throws std::runtime_error: missing files or folders, an image of another shape than its
-/// camera's, an empty cloud.
+/// camera's, an empty cloud. A panorama (EQUIRECTANGULAR) becomes six views, the faces of a cube.
 Recording importModel(const ModelFiles& files, const std::string& directory, const RecordParams& params,
                       const Callbacks& callbacks);
+
+/// Of the views that importModel() makes of a model: those of its images, or of panoramas "NAME_front.png" and so on.
+std::vector<std::string> namesOfViews(const ColmapModel& model);
 
 }  // namespace cloud_colorizer

@@ -32,10 +32,14 @@ struct CameraParams {
   double time_offset = 0;  ///< s, added to the stamps of the images
   std::string mask;        ///< image file, black where the camera must not colour; empty: none
   bool masks = false;      ///< every image gets a mask of its own by addMask(); without it, it is not recorded
+  /// camera_info: as that says; equirectangular: of all directions, twice as wide as high; there is no camera_info.
+  std::string model = "camera_info";
   bool rectified = false;  ///< the images are rectified: P counts, without distortion
   /// Of images with 16 bits a channel: how many the camera fills; 0: as few of 10, 12, 14 and 16 as hold its first
   /// image.
   int bits = 0;
+
+  bool isPanorama() const { return model == "equirectangular"; }
 };
 
 struct CollectorParams {

@@ -52,6 +52,8 @@ void visitCollectorParams(CollectorParamsT& p, F&& f) {
     f((prefix + "mask").c_str(), camera.mask, "image file, black where the camera must not colour");
     f((prefix + "masks").c_str(), camera.masks,
       "true: every image gets a mask of its own, from the topic camera_<i>/mask; without it, it is not recorded");
+    f((prefix + "model").c_str(), camera.model,
+      "camera_info, or equirectangular: images of all directions, without a camera_info");
     f((prefix + "rectified").c_str(), camera.rectified, "true for rectified images: P is used, without distortion");
     f((prefix + "bits").c_str(), camera.bits,
       "that the camera fills of 16 bits a channel; 0: as the first image tells");

@@ -35,6 +35,8 @@ void checkNumbers(const Intrinsics& in) {
     require<Invalid>(std::isfinite(in.distortion[i]), "camera: distortion coefficient ", i, " = ", in.distortion[i],
                      " is not finite");
   }
+  require<Invalid>(in.model != DistortionModel::kEquirectangular,
+                   "camera: an equirectangular image must be cut into pinhole images first");
   const std::size_t most = numCoefficients(in.model), given = in.distortion.size();
   const bool looks_rational = in.model == DistortionModel::kPlumbBob && given == 8;
   require<Invalid>(given <= most, "camera: ", toString(in.model), " has at most ", most, " coefficients, not ", given,
@@ -45,6 +47,7 @@ void checkNumbers(const Intrinsics& in) {
 
 std::string toString(DistortionModel model) {
   if (model == DistortionModel::kPlumbBob) return "plumb_bob";
+  if (model == DistortionModel::kEquirectangular) return "equirectangular";
   return model == DistortionModel::kRationalPolynomial ? "rational_polynomial" : "equidistant";
 }
 

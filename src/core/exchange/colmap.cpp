@@ -10,6 +10,7 @@
 
 #include "base/file_io.hpp"
 #include "base/text.hpp"
+#include "camera/panorama.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "exchange/colmap_entries.hpp"
 #include "exchange/text_lines.hpp"
@@ -97,11 +98,32 @@ std::vector<double> distortionOf(const ColmapEntries::Camera& camera, const std:
   return distortion;
 }
 
+/// COLMAP's name is EQUIRECTANGULAR; a fork that others read as well says SPHERICAL.
+bool isPanorama(const ColmapEntries::Camera& camera) {
+  return camera.model == "EQUIRECTANGULAR" || camera.model == "SPHERICAL";
+}
+
+Intrinsics panoramaOf(const ColmapEntries::Camera& camera) {
+  Intrinsics panorama;
+  panorama.width = static_cast<int>(camera.width);
+  panorama.height = static_cast<int>(camera.height);
+  panorama.model = DistortionModel::kEquirectangular;
+  try {
+    checkPanorama({panorama.width, panorama.height});
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(camera.where + ": " + error.what());
+  }
+  return panorama;
+}
+
 Intrinsics intrinsicsOf(const ColmapEntries::Camera& camera) {
   const std::string& where = camera.where;
+  require(camera.width > 0 && camera.width < 1'000'000 && camera.height > 0 && camera.height < 1'000'000, where,
+          ": an image of ", camera.width, " x ", camera.height, " pixels is impossible");
+  if (isPanorama(camera)) return panoramaOf(camera);
   const auto found = cameraModels().find(camera.model);
   if (found == cameraModels().end()) {
-    std::string known;
+    std::string known = " EQUIRECTANGULAR";
     for (const auto& entry : cameraModels()) known += ' ' + entry.first;
     throw std::runtime_error(where + ": the camera model " + camera.model + " is unknown; known are" + known +
                              kUndistort);
@@ -109,8 +131,6 @@ Intrinsics intrinsicsOf(const ColmapEntries::Camera& camera) {
   const auto& [num_focal, model, num_distortion] = found->second;
   require(camera.params.size() == num_focal + 2 + num_distortion, where, ": ", camera.model, " has ",
           num_focal + 2 + num_distortion, " parameters, not ", camera.params.size());
-  require(camera.width > 0 && camera.width < 1'000'000 && camera.height > 0 && camera.height < 1'000'000, where,
-          ": an image of ", camera.width, " x ", camera.height, " pixels is impossible");
   Intrinsics intrinsics;
   intrinsics.width = static_cast<int>(camera.width);
   intrinsics.height = static_cast<int>(camera.height);

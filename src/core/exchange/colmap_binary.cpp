@@ -4,8 +4,8 @@
 /// colmap_entries.hpp: the binary files.
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
+#include <map>
 
 #include "cloud/block_reader.hpp"
 #include "cloud_colorizer/base/check.hpp"
@@ -19,17 +19,21 @@ struct NumberedModel {
   const char* name;
   std::size_t num_params;
 };
-constexpr std::array<NumberedModel, 11> kModels = {{{"SIMPLE_PINHOLE", 3},
-                                                    {"PINHOLE", 4},
-                                                    {"SIMPLE_RADIAL", 4},
-                                                    {"RADIAL", 5},
-                                                    {"OPENCV", 8},
-                                                    {"OPENCV_FISHEYE", 8},
-                                                    {"FULL_OPENCV", 12},
-                                                    {"FOV", 5},
-                                                    {"SIMPLE_RADIAL_FISHEYE", 4},
-                                                    {"RADIAL_FISHEYE", 5},
-                                                    {"THIN_PRISM_FISHEYE", 12}}};
+const std::map<std::int32_t, NumberedModel>& numberedModels() {
+  static const std::map<std::int32_t, NumberedModel> kModels = {{0, {"SIMPLE_PINHOLE", 3}},
+                                                                {1, {"PINHOLE", 4}},
+                                                                {2, {"SIMPLE_RADIAL", 4}},
+                                                                {3, {"RADIAL", 5}},
+                                                                {4, {"OPENCV", 8}},
+                                                                {5, {"OPENCV_FISHEYE", 8}},
+                                                                {6, {"FULL_OPENCV", 12}},
+                                                                {7, {"FOV", 5}},
+                                                                {8, {"SIMPLE_RADIAL_FISHEYE", 4}},
+                                                                {9, {"RADIAL_FISHEYE", 5}},
+                                                                {10, {"THIN_PRISM_FISHEYE", 12}},
+                                                                {17, {"EQUIRECTANGULAR", 2}}};
+  return kModels;
+}
 
 template <class T>
 T take(BlockReader& input) {
@@ -78,14 +82,15 @@ void readCameras(BlockReader& input, ColmapEntries& entries) {
     camera.id = take<std::uint32_t>(input);
     const auto model = take<std::int32_t>(input);
     camera.where = input.path() + " camera " + std::to_string(camera.id);
-    require(model >= 0 && static_cast<std::size_t>(model) < kModels.size(), camera.where, ": the camera model ", model,
+    const auto found = numberedModels().find(model);
+    require(found != numberedModels().end(), camera.where, ": the camera model ", model,
             " is unknown; undistort the images with `colmap image_undistorter` and give its model");
-    camera.model = kModels.at(static_cast<std::size_t>(model)).name;
+    camera.model = found->second.name;
     const auto width = take<std::uint64_t>(input), height = take<std::uint64_t>(input);
     constexpr std::uint64_t kMost = 1U << 30U;
     camera.width = static_cast<long long>(std::min(width, kMost));
     camera.height = static_cast<long long>(std::min(height, kMost));
-    camera.params = takeNumbers(input, kModels.at(static_cast<std::size_t>(model)).num_params);
+    camera.params = takeNumbers(input, found->second.num_params);
     entries.cameras.push_back(camera);
   }
 }

@@ -7,11 +7,14 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <tuple>
 #include <vector>
 
+#include "base/parallel.hpp"
 #include "base/progress.hpp"
+#include "camera/panorama.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "cloud_colorizer/exchange/colmap.hpp"
@@ -72,15 +75,17 @@ void importCloud(const std::string& path, const Extent& extent, Recorder& record
 /// How often the samples lie in an image, whatever hides them, with the rotations changed by `change`.
 template <class Change>
 std::size_t countSeen(const ColmapModel& model, const std::vector<Eigen::Vector3d>& samples, const Change& change) {
-  std::vector<Camera> cameras;
-  cameras.reserve(model.cameras.size());
-  for (const Intrinsics& intrinsics : model.cameras) cameras.emplace_back(intrinsics);
+  std::vector<std::optional<Camera>> cameras(model.cameras.size());
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    if (!isPanorama(model.cameras[i])) cameras[i].emplace(model.cameras[i]);
+  }
   const std::size_t stride = std::max<std::size_t>(1, model.images.size() / 200);  // of a long drive, some images
   std::size_t count = 0;
   for (std::size_t i = 0; i < model.images.size(); i += stride) {
     const Eigen::Isometry3d camera_from_map = change(model.images[i].map_from_camera.inverse());
     for (const Eigen::Vector3d& sample : samples) {
-      if (cameras[model.images[i].camera].project((camera_from_map * sample).cast<float>())) ++count;
+      const std::optional<Camera>& camera = cameras[model.images[i].camera];
+      if (!camera || camera->project((camera_from_map * sample).cast<float>())) ++count;
     }
   }
   return count;
@@ -116,37 +121,83 @@ void checkPoses(const ColmapModel& model, const Extent& extent, const Callbacks&
   callbacks.log(LogLevel::kWarning, text.str());
 }
 
-/// One for each size that the photos of a camera of the model have. Returns that of each image.
-std::vector<std::uint32_t> setCameras(const ColmapModel& model, const std::vector<Photo>& photos, Recorder& recorder) {
+using CameraIds = std::vector<std::uint32_t>;  // one, or of each face of a panorama
+
+/// Of the cameras of the model, for each size that their photos have. Returns those of each image.
+std::vector<CameraIds> setCameras(const ColmapModel& model, const std::vector<Photo>& photos, Recorder& recorder) {
   using Key = std::tuple<std::size_t, int, int>;  // camera, width, height
-  std::map<Key, std::uint32_t> ids;
-  std::vector<std::uint32_t> cameras;
+  std::map<Key, CameraIds> ids;
+  std::vector<CameraIds> cameras;
   for (std::size_t i = 0; i < photos.size(); ++i) {
     const std::size_t camera = model.images[i].camera;
     const cv::Size size = photos[i].size();
-    const Key key = {camera, size.width, size.height};
-    if (ids.count(key) == 0) {
-      ids[key] = recorder.setCamera("camera_" + std::to_string(camera), scaledTo(model.cameras[camera], size));
+    CameraIds& own = ids[{camera, size.width, size.height}];
+    const std::string name = "camera_" + std::to_string(camera);
+    if (own.empty() && isPanorama(model.cameras[camera])) {
+      for (const PanoramaFace& face : panoramaFaces(size.width)) {
+        own.push_back(recorder.setCamera(name + '_' + face.name, face.intrinsics));
+      }
+    } else if (own.empty()) {
+      own.push_back(recorder.setCamera(name, scaledTo(model.cameras[camera], size)));
     }
-    cameras.push_back(ids[key]);
+    cameras.push_back(own);
   }
   return cameras;
+}
+
+/// Its faces become views at one place; black and masked ones where it is damaged.
+void importPanorama(const Photo& photo, double stamp, const Eigen::Isometry3d& map_from_camera, const CameraIds& ids,
+                    Recorder& recorder, const Callbacks& callbacks) {
+  ViewPixels pixels{cv::Mat3b(photo.size(), cv::Vec3b(0, 0, 0)), cv::Mat1b(photo.size(), std::uint8_t{0})};
+  try {
+    pixels = photo.decoded();
+  } catch (const std::runtime_error& error) {
+    if (callbacks.log) callbacks.log(LogLevel::kWarning, std::string("a view is left out: ") + error.what());
+  }
+  const std::vector<PanoramaFace> faces = panoramaFaces(photo.size().width);
+  std::vector<EncodedPhoto> encoded(faces.size());
+  parallelFor(0, faces.size(), [&](std::size_t i) { encoded[i] = photo.encodedFace(cutFace(pixels.image, faces[i])); });
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    Eigen::Isometry3d pose = map_from_camera;
+    pose.linear() *= faces[i].panorama_from_face;
+    recorder.addView(ids[i], stamp, pose, encoded[i].bytes, encoded[i].extension, cutMask(pixels.mask, faces[i]));
+  }
 }
 
 void importViews(const ColmapModel& model, const std::vector<Photo>& photos, Recorder& recorder,
                  const Callbacks& callbacks) {
   ProgressMeter progress(callbacks, "import images", photos.size());
-  const std::vector<std::uint32_t> cameras = setCameras(model, photos, recorder);
+  const std::vector<CameraIds> cameras = setCameras(model, photos, recorder);
   for (std::size_t i = 0; i < photos.size(); ++i) {
-    const EncodedPhoto encoded = photos[i].encoded();
-    // A model has no times; the order of the images stands for it.
-    recorder.addView(cameras[i], static_cast<double>(i), model.images[i].map_from_camera, encoded.bytes,
-                     encoded.extension, photos[i].mask());
+    const Eigen::Isometry3d& pose = model.images[i].map_from_camera;
+    const auto stamp = static_cast<double>(i);  // a model has no times; the order of the images stands for it
+    if (isPanorama(model.cameras[model.images[i].camera])) {
+      importPanorama(photos[i], stamp, pose, cameras[i], recorder, callbacks);
+    } else {
+      const EncodedPhoto encoded = photos[i].encoded();
+      recorder.addView(cameras[i][0], stamp, pose, encoded.bytes, encoded.extension, photos[i].mask());
+    }
     progress.add(1);
   }
 }
 
 }  // namespace
+
+std::vector<std::string> namesOfViews(const ColmapModel& model) {
+  std::vector<std::string> names;
+  for (const ColmapImage& image : model.images) {
+    const Intrinsics& camera = model.cameras[image.camera];
+    if (!isPanorama(camera)) {
+      names.push_back(image.name);
+      continue;
+    }
+    const fs::path path = image.name;
+    for (const PanoramaFace& face : panoramaFaces(camera.width)) {
+      names.push_back((path.parent_path() / (path.stem().string() + '_' + face.name + ".png")).string());
+    }
+  }
+  return names;
+}
 
 Recording importModel(const ModelFiles& files, const std::string& directory, const RecordParams& params,
                       const Callbacks& callbacks) {

@@ -17,6 +17,7 @@
 #include "base/text.hpp"
 #include "camera/pixels.hpp"
 #include "cloud_colorizer/base/check.hpp"
+#include "recording/image_files.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -172,6 +173,26 @@ EncodedPhoto Photo::encoded() const {
     if (image.depth() == CV_16U && cv::imencode(".png", scaledTo16Bits(image, bits_), photo.bytes)) return photo;
   }
   return {readFile(path_), lowerExtension(path_).erase(0, 1)};
+}
+
+ViewPixels Photo::decoded() const {
+  Intrinsics intrinsics;
+  intrinsics.width = size_.width;
+  intrinsics.height = size_.height;
+  ViewPixels pixels = decodePixels(path_, intrinsics);
+  addMask(mask(), pixels.mask);
+  return pixels;
+}
+
+EncodedPhoto Photo::encodedFace(const cv::Mat& rgb) const {
+  constexpr int kQuality = 95;
+  const std::string own = lowerExtension(path_);
+  EncodedPhoto photo{{}, own == ".jpg" || own == ".jpeg" ? "jpg" : "png"};
+  cv::Mat bgr;
+  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+  const std::vector<int> options = {cv::IMWRITE_JPEG_QUALITY, kQuality, cv::IMWRITE_PNG_COMPRESSION, 1};
+  require(cv::imencode("." + photo.extension, bgr, photo.bytes, options), "OpenCV cannot encode ", photo.extension);
+  return photo;
 }
 
 cv::Mat1b Photo::mask() const {

@@ -12,6 +12,7 @@
 #include "cloud_colorizer/base/types.hpp"
 #include "cloud_colorizer/exchange/colmap.hpp"
 #include "cloud_colorizer/exchange/import_model.hpp"
+#include "cloud_colorizer/recording/recording.hpp"
 
 namespace cloud_colorizer {
 
@@ -31,7 +32,10 @@ class Photo {
   void setMask(std::string path) { mask_path_ = std::move(path); }
 
   EncodedPhoto encoded() const;  ///< the file as it is, or with the full scale of its bits
-  cv::Mat1b mask() const;        ///< of its size; empty: none. Throws std::runtime_error where it is no image
+  ViewPixels decoded() const;    ///< with its mask. Throws std::runtime_error where it is damaged
+  /// A part of it, without loss where the file has none.
+  EncodedPhoto encodedFace(const cv::Mat& rgb) const;
+  cv::Mat1b mask() const;  ///< of its size; empty: none. Throws std::runtime_error where it is no image
 
  private:
   std::string path_, mask_path_;

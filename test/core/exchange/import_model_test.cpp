@@ -198,6 +198,41 @@ TEST_F(ImportModel, PhotosOfTwelveBitsAreFullScale) {
   EXPECT_NEAR(color[2], 64, 1);
 }
 
+TEST_F(ImportModel, APanoramaBecomesTheFacesOfACube) {
+  writeText(files_.model + "/cameras.txt", "1 EQUIRECTANGULAR 640 320 640 320\n");
+  cv::Mat3b panorama(320, 640, cv::Vec3b(10, 20, 30));
+  panorama(cv::Rect(480, 120, 80, 80)).setTo(cv::Vec3b(0, 0, 255));  // about 90 degrees to the right
+  cv::imwrite(files_.images + "/left/a.PNG", panorama);
+  writeText(files_.images + "/b.jpg", "no image");
+  files_.masks = scratch_ / "masks";
+  std::filesystem::create_directories(files_.masks + "/left");
+  cv::Mat1b mask(320, 640, std::uint8_t{255});
+  mask(cv::Rect(0, 280, 640, 40)).setTo(0);  // who carries it
+  cv::imwrite(files_.masks + "/left/a.PNG.png", mask);
+  std::string log;
+  Callbacks callbacks;
+  callbacks.log = [&](LogLevel, const std::string& text) { log += text + '\n'; };
+  const Recording recording = importModel(files_, scratch_ / "r", {}, callbacks);
+  EXPECT_NE(log.find("a view is left out"), std::string::npos) << log;
+  ASSERT_EQ(recording.views().size(), 12U);
+  EXPECT_EQ(recording.cameras()[recording.views()[1].camera].name, "camera_0_right");
+  const auto middle = [&](std::size_t view) {
+    const ViewPixels pixels = recording.readPixels(view);
+    const int at = pixels.image.cols / 2;
+    const bool is_usable = pixels.mask.empty() || pixels.mask.at<std::uint8_t>(at, at) != 0;
+    return is_usable ? pixels.image.at<cv::Vec3b>(at, at) : cv::Vec3b(0, 0, 0);
+  };
+  EXPECT_EQ(middle(1), cv::Vec3b(255, 0, 0));
+  EXPECT_EQ(middle(3), cv::Vec3b(30, 20, 10));
+  EXPECT_EQ(middle(5), cv::Vec3b(0, 0, 0));  // below
+  EXPECT_EQ(middle(6), cv::Vec3b(0, 0, 0));  // of the damaged one
+  const auto names = namesOfViews(readColmapModel(files_.model));
+  ASSERT_EQ(names.size(), 12U);
+  EXPECT_EQ(names[0], "left/a_front.png");
+  writeText(files_.model + "/cameras.txt", "1 EQUIRECTANGULAR 640 480 640 480\n");
+  EXPECT_ERROR(readColmapModel(files_.model), "twice as wide as high");
+}
+
 TEST_F(ImportModel, APhotoThatIsMissingIsNamed) {
   std::filesystem::remove(files_.images + "/b.jpg");
   EXPECT_ERROR(import(), "b.jpg");
