@@ -58,6 +58,7 @@ ColorizeSummary colorAndSave(const Recording& recording, const CommandLine& line
   callbacks.log(LogLevel::kInfo, "saved " + output);
   if (line.has(kWriteModelOption.name)) {
     exportModel(recording, line.params, line.option(kWriteModelOption.name), image_names);
+    exportPoints(recording, line.params, line.option(kWriteModelOption.name));
   }
   return summary;
 }

@@ -32,6 +32,10 @@ expect 0 'saved' colorize "$recording" --output "$tmp/map.pcd" --write-model "$t
 for file in cameras.txt images.txt points3D.txt trajectory_camera_0.txt; do
   [ -s "$tmp/model/$file" ] || problem "--write-model writes no $file"
 done
+num_written=$(grep -vc '^#' "$tmp/model/points3D.txt")
+[ "$num_written" = "$num_colored" ] || problem "--write-model writes $num_written points of $num_colored"
+grep -v '^#' "$tmp/model/points3D.txt" | awk 'NF != 8 || $5 > 255 || $6 > 255 || $7 > 255 { exit 1 }' ||
+  problem "points3D.txt has other lines than id x y z r g b error"
 expect 0 'saved' colorize_map --cloud "$tmp/map.pcd" --images "$recording/images" --model "$tmp/model" \
   --output "$tmp/again.ply" method=mean
 head -c 200 "$tmp/map.pcd" | grep -aq 'FIELDS x y z .*rgb view_count color_stddev' || problem "map.pcd has other fields"

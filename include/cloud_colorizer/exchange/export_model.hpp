@@ -13,12 +13,18 @@
 namespace cloud_colorizer {
 
 /// Writes into `directory`, which is made when missing, in the map frame (the recording's origin added):
-///   cameras.txt images.txt points3D.txt   COLMAP's text model, without points; all our camera models are COLMAP's too
+///   cameras.txt images.txt points3D.txt   COLMAP's text model, without points (see exportPoints); our camera models are COLMAP's too
 ///   trajectory_camera_i.txt               TUM: stamp tx ty tz qx qy qz qw of map_from_camera, one file a camera
 /// The poses are the corrected ones when colorize() aligned the recording with these parameters, else the recorded
 /// ones. `names`: of the images, one a view; empty: their files relative to the recording's folder `images`.
 /// Each file is complete or absent. Throws std::runtime_error with path and reason.
 void exportModel(const Recording& recording, const Params& params, const std::string& directory,
                  const std::vector<std::string>& names = {});
+
+/// Writes the coloured points of the map (after colorize) into points3D.txt of that folder, every k-th so that there
+/// are at most `max_points`: what programs that train Gaussian splats begin with. Their tracks are empty. Throws as
+/// forEachColoredTile().
+void exportPoints(const Recording& recording, const Params& params, const std::string& directory,
+                  std::size_t max_points = 1'000'000);
 
 }  // namespace cloud_colorizer
