@@ -7,6 +7,7 @@
 #include <map>
 #include <sstream>
 
+#include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "cloud_colorizer/exchange/export_model.hpp"
@@ -16,9 +17,15 @@ namespace cloud_colorizer {
 
 const OptionSpec kWriteModelOption = {"write-model", "DIR",
                                       "the corrected poses: COLMAP's text model, and a TUM trajectory a camera", false};
+const OptionSpec kSplatsOption = {"splats", "FILE", "the map as Gaussian splats, .ply, at most two million", false};
 
 void checkOutputs(const CommandLine& line) {
   CloudWriter::checkPath(line.option("output"));
+  if (line.has(kSplatsOption.name)) {
+    const std::string splats = line.option(kSplatsOption.name);
+    if (lowerExtension(splats) != ".ply") throw UsageError("--splats " + splats + ": its extension must be .ply");
+    CloudWriter::checkPath(splats);
+  }
   if (!line.has(kWriteModelOption.name)) return;
   const std::string directory = line.option(kWriteModelOption.name);
   std::error_code error;
@@ -59,6 +66,10 @@ ColorizeSummary colorAndSave(const Recording& recording, const CommandLine& line
   if (line.has(kWriteModelOption.name)) {
     exportModel(recording, line.params, line.option(kWriteModelOption.name), image_names);
     exportPoints(recording, line.params, line.option(kWriteModelOption.name));
+  }
+  if (line.has(kSplatsOption.name)) {
+    exportSplats(recording, line.params, line.option(kSplatsOption.name));
+    callbacks.log(LogLevel::kInfo, "saved " + line.option(kSplatsOption.name));
   }
   return summary;
 }

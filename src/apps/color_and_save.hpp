@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What the programs that colour a recording share: --output and --write-model.
+/// What the programs that colour a recording share: --output, --write-model and --splats.
 #pragma once
 
 #include <string>
@@ -13,8 +13,7 @@
 
 namespace cloud_colorizer {
 
-/// Option --write-model DIR.
-extern const OptionSpec kWriteModelOption;
+extern const OptionSpec kWriteModelOption, kSplatsOption;
 
 /// Before the work, so that a path that cannot be written is told then and not after it. Makes the model's folder.
 void checkOutputs(const CommandLine& line);

@@ -24,7 +24,8 @@ CommandSpec commandSpec() {
                   kPosesOption,
                   kPosesFrameOption,
                   {"recording", "DIR", "keep the recording here; `colorize DIR` colours it again", false},
-                  kWriteModelOption};
+                  kWriteModelOption,
+                  kSplatsOption};
   spec.other_params = describeCollectorParams(CollectorParams());
   return spec;
 }

@@ -21,7 +21,8 @@ int main(int argc, char** argv) {
       {"masks", "DIR", "folder of masks, NAME.png for the image NAME, black where it must not colour", false},
       {"output", "FILE", "the coloured map, .ply, .pcd or .las", true},
       {"recording", "DIR", "keep the recording here instead of in a temporary folder", false},
-      kWriteModelOption};
+      kWriteModelOption,
+      kSplatsOption};
   // A finished map: every point is wanted, and nothing is known about its scale or about where it was measured from.
   spec.defaults.record.voxel_size = 0;
   spec.defaults.depth.max_view_distance = 1e6;

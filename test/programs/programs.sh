@@ -28,7 +28,9 @@ expect 0 'points coloured' colorize_bag "$tmp/drive/drive.bag" --config "$tmp/dr
   --output "$tmp/map.ply" tile_size=5
 read -r num_points num_colored _ < <(ply count "$tmp/map.ply")
 [ "$num_colored" -gt 1000 ] || problem "only $num_colored of $num_points points are coloured"
-expect 0 'saved' colorize "$recording" --output "$tmp/map.pcd" --write-model "$tmp/model"
+expect 2 'must be .ply' colorize "$recording" --output "$tmp/map.pcd" --splats "$tmp/splats.splat"
+expect 0 'saved' colorize "$recording" --output "$tmp/map.pcd" --write-model "$tmp/model" --splats "$tmp/splats.ply"
+head -c 600 "$tmp/splats.ply" | grep -aq "element vertex $num_colored" || problem "--splats writes another number of splats"
 for file in cameras.txt images.txt points3D.txt trajectory_camera_0.txt; do
   [ -s "$tmp/model/$file" ] || problem "--write-model writes no $file"
 done

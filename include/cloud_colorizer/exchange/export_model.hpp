@@ -13,8 +13,9 @@
 namespace cloud_colorizer {
 
 /// Writes into `directory`, which is made when missing, in the map frame (the recording's origin added):
-///   cameras.txt images.txt points3D.txt   COLMAP's text model, without points (see exportPoints); our camera models are COLMAP's too
-///   trajectory_camera_i.txt               TUM: stamp tx ty tz qx qy qz qw of map_from_camera, one file a camera
+///   cameras.txt images.txt points3D.txt   COLMAP's text model, without points (see exportPoints); our camera models
+///   are COLMAP's too trajectory_camera_i.txt               TUM: stamp tx ty tz qx qy qz qw of map_from_camera, one
+///   file a camera
 /// The poses are the corrected ones when colorize() aligned the recording with these parameters, else the recorded
 /// ones. `names`: of the images, one a view; empty: their files relative to the recording's folder `images`.
 /// Each file is complete or absent. Throws std::runtime_error with path and reason.
@@ -26,5 +27,13 @@ void exportModel(const Recording& recording, const Params& params, const std::st
 /// forEachColoredTile().
 void exportPoints(const Recording& recording, const Params& params, const std::string& directory,
                   std::size_t max_points = 1'000'000);
+
+/// Writes every k-th coloured point (after colorize), at most `max_splats`, as a Gaussian splat into a .ply as trainers
+/// and viewers of splats have it: x y z nx ny nz f_dc_0..2 opacity scale_0..2 rot_0..3, without harmonics of higher
+/// degree. A splat is as wide as the points are apart, and flat where they lie on a surface. Positions are relative to
+/// the recording's origin, as floats. Throws as forEachColoredTile(); std::runtime_error where the file cannot be
+/// written.
+void exportSplats(const Recording& recording, const Params& params, const std::string& path,
+                  std::size_t max_splats = 2'000'000);
 
 }  // namespace cloud_colorizer

@@ -3,13 +3,13 @@
 #include "cloud_colorizer/exchange/export_model.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 #include "base/file_io.hpp"
 #include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/exchange/colmap.hpp"
 #include "cloud_colorizer/map/colorize.hpp"
+#include "exchange/colored_points.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -42,22 +42,6 @@ std::string imageName(const std::string& file) {
   return file.substr(file.find('/') + 1);
 }
 
-/// Calls f(position in the map frame, 0x00RRGGBB) for every point that has a colour.
-template <class F>
-void forEachColoredPoint(const Recording& recording, const Params& params, const F& f) {
-  forEachColoredTile(recording, params, false, [&](const Cloud& cloud) {
-    const auto rgb = findField(cloud.fields, "rgb"), count = findField(cloud.fields, "view_count");
-    const std::size_t size = recordSize(cloud.fields);
-    for (Eigen::Index i = 0; i < cloud.positions.cols(); ++i) {
-      const std::uint8_t* record = cloud.records.data() + static_cast<std::size_t>(i) * size;
-      if (numberAt(record + count->offset, count->field.type) == 0) continue;
-      std::uint32_t color = 0;
-      std::memcpy(&color, record + rgb->offset, sizeof color);
-      f(cloud.positions.col(i), color);
-    }
-  });
-}
-
 }  // namespace
 
 void exportModel(const Recording& recording, const Params& params, const std::string& directory,
@@ -81,15 +65,11 @@ void exportModel(const Recording& recording, const Params& params, const std::st
 
 void exportPoints(const Recording& recording, const Params& params, const std::string& directory,
                   std::size_t max_points) {
-  std::size_t num_colored = 0;
-  forEachColoredPoint(recording, params, [&](const Eigen::Vector3d&, std::uint32_t) { ++num_colored; });
-  const std::size_t step = (num_colored + max_points - 1) / std::max<std::size_t>(1, max_points);
   AtomicFile file(directory + "/points3D.txt");
   const auto append = [&](const std::string& text) { file.append(text.data(), text.size()); };
   append("# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n");
-  std::size_t index = 0, id = 0;
-  forEachColoredPoint(recording, params, [&](const Eigen::Vector3d& at, std::uint32_t rgb) {
-    if (index++ % step != 0) return;
+  std::size_t id = 0;
+  forSomeColoredPoints(recording, params, max_points, false, [&](const Eigen::Vector3d& at, std::uint32_t rgb) {
     std::string line = std::to_string(++id);
     for (int axis = 0; axis < 3; ++axis) line += ' ' + formatDouble(at[axis]);
     for (const unsigned shift : {16U, 8U, 0U}) line += ' ' + std::to_string(rgb >> shift & 0xFFU);
