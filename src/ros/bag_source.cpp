@@ -173,15 +173,6 @@ class TransformReader {
   std::map<std::string, ros::Time> last_;
 };
 
-/// Null where the message is no cloud.
-sensor_msgs::PointCloud2ConstPtr cloudOf(const rosbag::MessageInstance& message) {
-  if (!isLivoxType(message.getDataType())) return message.instantiate<sensor_msgs::PointCloud2>();
-  std::vector<std::uint8_t> bytes(message.size());
-  ros::serialization::OStream stream(bytes.data(), message.size());
-  message.write(stream);
-  return cloudFromLivox(bytes);
-}
-
 /// Calls f with an image of either kind; not where the message is none.
 template <class F>
 void withImage(const rosbag::MessageInstance& message, const F& f) {

@@ -178,9 +178,11 @@ void Deskewer::tryOut(const Sweep& sweep, const PointTimes& times, const Waiting
   if (sweep.stamp <= settled_until_) return;
   try {
     if (SweepMotion(times, sweep.pose).displacement(sweep.cloud.positions) < kNoticed) return;
-  } catch (const Refused&) {  // within a gap, or the last one of all: as it came
+  } catch (const NotYet&) {
     if (may_wait) throw;
-    return;
+    return;  // the last one of all: as it came
+  } catch (const Refused&) {
+    return;  // within a gap of tf: as it came, where its own stamp has a pose
   }
   lookAhead(waiting);
   is_waiting_ = trial_.numClouds() < kTrialClouds && may_wait;

@@ -8,6 +8,7 @@
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <std_srvs/Trigger.h>
+#include <topic_tools/shape_shifter.h>
 
 #include <atomic>
 #include <filesystem>
@@ -16,6 +17,7 @@
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "ros/live_preview.hpp"
+#include "ros/livox.hpp"
 #include "ros/map_job.hpp"
 #include "ros/node_log.hpp"
 #include "ros/node_output.hpp"
@@ -105,8 +107,8 @@ struct ColorizerNode::Impl {
                                      [](Collector& to, const auto& message) { to.addTransforms(*message, false); });
     subscribeTo<tf2_msgs::TFMessage>("/tf_static", false,
                                      [](Collector& to, const auto& message) { to.addTransforms(*message, true); });
-    subscribeTo<sensor_msgs::PointCloud2>("cloud_in", true,
-                                          [](Collector& to, const auto& message) { to.addCloud(message); });
+    subscribeTo<topic_tools::ShapeShifter>("cloud_in", true,
+                                           [](Collector& to, const auto& message) { to.addCloud(cloudOf(*message)); });
     for (std::size_t i = 0; i < params.node.collector.cameras.size(); ++i) {
       const std::string camera = "camera_" + std::to_string(i);
       if (!params.node.collector.cameras[i].isPanorama()) {

@@ -166,6 +166,25 @@ TEST_F(DeskewTest, ItCanBeSwitchedOnAndOff) {
   EXPECT_ERROR(recorded(false), "deskew");
 }
 
+/// Poses of keyframes only: those of the stamps are there, those of the sweeps lie in gaps.
+TEST_F(DeskewTest, WithGapsBetweenTheStampsAutoTakesTheCloudsAsTheyCame) {
+  Recorder recorder(scratch_ / "recording", "map", params_.record);
+  Collector collector(recorder, params_, {});
+  for (int i = 0; i < 4; ++i) {
+    const double stamp = kStart + i;
+    tf2_msgs::TFMessage transforms;
+    transforms.transforms.push_back(tf2::eigenToTransform(mapFromLidar(stamp)));
+    transforms.transforms[0].header.stamp.fromSec(stamp);
+    transforms.transforms[0].header.frame_id = "map";
+    transforms.transforms[0].child_frame_id = "lidar";
+    collector.addTransforms(transforms, false);
+    collector.addCloud(sweep(stamp, true));
+    collector.process();
+  }
+  collector.finish();
+  EXPECT_EQ(collector.stats().cloud.count(Outcome::kKept), 4U);
+}
+
 /// tf often ends with the last cloud's stamp.
 TEST_F(DeskewTest, WithoutPosesForTheWholeSweepAutoTakesTheCloudAsItCame) {
   Recorder recorder(scratch_ / "recording", "map", params_.record);

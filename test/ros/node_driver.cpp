@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <sys/mount.h>
 #include <sys/wait.h>
+#include <topic_tools/shape_shifter.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -27,6 +28,7 @@
 #include "cloud_colorizer/ros/bag_source.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
 #include "cloud_colorizer/ros/params.hpp"
+#include "ros/livox_messages.hpp"
 #include "ros/small_bag.hpp"
 
 namespace cloud_colorizer {
@@ -244,6 +246,24 @@ TEST_F(NodeTest, RawImagesColourPublishAndSave) {
   EXPECT_FALSE(unknown.success);
   EXPECT_NE(unknown.message.find("las"), std::string::npos) << unknown.message;
   EXPECT_EQ(process_->stop(SIGINT), 0) << process_->log();
+}
+
+TEST_F(NodeTest, CloudsOfLivoxDriversAreRecorded) {
+  cloud_.shutdown();
+  topic_tools::ShapeShifter livox;
+  livox.morph("e4d6829bdfe657cb6c21a746c86b21a6", "livox_ros_driver2/CustomMsg", "Header header\n", "");
+  cloud_ = livox.advertise(node_, "cloud_in", 10);
+  startNode(false);
+  for (std::size_t i = 0; i < drive_.num_frames; ++i) {
+    tf_.publish(drive_.pose(i));
+    const sensor_msgs::PointCloud2 cloud = drive_.cloud(i);
+    auto bytes = testing_ros::livoxMessage(cloud.header, cloudFromMessage(cloud).positions);
+    ros::serialization::IStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+    livox.read(stream);
+    cloud_.publish(livox);
+    ros::WallDuration(0.02).sleep();
+  }
+  EXPECT_TRUE(waitFor([&] { return last_status_.points > 1000; })) << process_->log();
 }
 
 /// A bag replayed by rosbag through the node gives the recording that the collector makes of the bag directly.
