@@ -106,7 +106,8 @@ void CameraStream::readInfo(Recorder& into, double max_image_size, const Say& sa
 void CameraStream::checkSize(double max_image_size) {
   const double size = 1e-6 * intrinsics_.width * intrinsics_.height;
   if (size > max_image_size) info_error_.outcome = Outcome::kTooLarge;
-  require<Invalid>(size <= max_image_size, "camera_info: an image of ", intrinsics_.width, " x ", intrinsics_.height,
+  require<Invalid>(size <= max_image_size, params_.isPanorama() ? "" : "camera_info: ", "an image of ",
+                   intrinsics_.width, " x ", intrinsics_.height,
                    " px is larger than ~max_image_size = ", max_image_size,
                    " Mpx; raise it if the camera has so many pixels");
   require<Invalid>(mask_.empty() || mask_.size() == cv::Size(intrinsics_.width, intrinsics_.height), "the mask ",
@@ -123,6 +124,7 @@ PendingView CameraStream::newPanorama(const ImageMessage& image, double max_imag
   PendingView view;
   const cv::Size size = inspectSize(image, view);
   if (faces_.empty() || size != cv::Size(intrinsics_.width, intrinsics_.height)) {
+    faces_.clear();
     intrinsics_.width = size.width;
     intrinsics_.height = size.height;
     info_error_.outcome = Outcome::kSizeMismatch;
@@ -132,7 +134,6 @@ PendingView CameraStream::newPanorama(const ImageMessage& image, double max_imag
     } catch (const Invalid& error) {
       throw Refused{info_error_.outcome, error.what()};
     }
-    faces_.clear();
     for (PanoramaFace& face : panoramaFaces(size.width)) {
       const std::uint32_t id = into.setCamera(name_ + '_' + face.name, face.intrinsics);
       if (!mask_.empty()) into.setMask(id, cutMask(mask_, face));
@@ -155,10 +156,18 @@ PendingView CameraStream::newView(const ImageMessage& image, double max_image_si
   return view;
 }
 
-bool CameraStream::isRecorded(const PendingView& view, Recorder& recorder) {
+bool CameraStream::isRecorded(PendingView& view, Recorder& recorder) {
   if (resumed_at_ && view.stamp <= *resumed_at_) last_kept_.reset();
   resumed_at_.reset();
-  if (!recorder.recognizeView(view.id, view.stamp)) return false;
+  const auto is_known = [&](std::uint32_t id) { return recorder.recognizeView(id, view.stamp); };
+  if (view.faces.empty()) {
+    if (!is_known(view.id)) return false;
+  } else {
+    const auto known = std::remove_if(view.faces.begin(), view.faces.end(),
+                                      [&](const PendingFace& face) { return is_known(face.id); });
+    view.faces.erase(known, view.faces.end());
+    if (!view.faces.empty()) return false;
+  }
   last_kept_ = view.map_from_camera;
   return true;
 }

@@ -51,9 +51,9 @@ class CameraStream {
 
   /// Id and intrinsics. Throws NotYet, or Refused where there is no good camera_info.
   PendingView newView(const ImageMessage& image, double max_image_size, Recorder& into);
-  /// Whether an earlier program recorded this view. A bag that is read again chooses the keyframes that it chose the
-  /// first time: by what lies before them in the bag.
-  bool isRecorded(const PendingView& view, Recorder& recorder);
+  /// Whether an earlier program recorded this view; of a panorama the faces that it recorded are taken out. A bag that
+  /// is read again chooses the keyframes that it chose the first time: by what lies before them in the bag.
+  bool isRecorded(PendingView& view, Recorder& recorder);
   bool isKeyframe(const Eigen::Isometry3d& pose, const RecordParams& record) const;
   /// Of a camera whose last keyframe lies in a recording that is continued.
   void resumeAt(const Eigen::Isometry3d& pose, double stamp);

@@ -388,6 +388,37 @@ TEST_F(CollectorTest, APanoramaBecomesSixViewsWithoutACameraInfo) {
   }
 }
 
+TEST_F(CollectorTest, OfAPanoramaThatWasRecordedInPartTheOtherFacesAreAdded) {
+  params_.cameras[0].model = "equirectangular";
+  const auto record = [&] {
+    drive(10, 12);
+    addImage(10.5, imageMessage("mono8", 80, 40, {100, 100}));
+    addImage(11.5, imageMessage("mono8", 80, 40, {50, 50}));
+    return finished();
+  };
+  EXPECT_EQ(record().views().size(), 12U);
+  collector_.reset();
+  recorder_.reset();
+  const std::string table = scratch_ / "recording/views.csv";
+  std::string lines = readText(table);
+  for (int i = 0; i < 2; ++i) lines.erase(lines.rfind('\n', lines.size() - 2) + 1);
+  writeText(table, lines);
+  const Recording again = record();
+  ASSERT_EQ(again.views().size(), 12U);
+  EXPECT_EQ(readText(table).substr(0, lines.size()), lines);
+  EXPECT_EQ(again.cameras()[again.views()[11].camera].name, "camera_0_down");
+}
+
+TEST_F(CollectorTest, APanoramaOfAnotherShapeIsRefusedAgainAndAgain) {
+  params_.cameras[0].model = "equirectangular";
+  drive(10, 13);
+  addImage(10.5, imageMessage("mono8", 80, 40, {100, 100}));
+  addImage(11.5, imageMessage("mono8", 80, 60, {100, 100}));
+  addImage(12.5, imageMessage("mono8", 80, 60, {100, 100}));
+  EXPECT_EQ(imageCount(Outcome::kSizeMismatch), 2U);
+  EXPECT_EQ(finished().views().size(), 6U);
+}
+
 TEST_F(CollectorTest, AMaskOfAnotherShapeIsRefused) {
   params_.cameras[0].masks = true;
   addInfo();
