@@ -217,7 +217,7 @@ struct Collector::Impl {
 
   Outcome recordCloud(const sensor_msgs::PointCloud2& message) {
     checkHeader(message.header);
-    const bool may_wait = !waitedEnough(stampOf(message));
+    const bool may_wait = !settling && !waitedEnough(stampOf(message));
     if (may_wait && deskewer.waitsFor(stampOf(clouds.back()))) throw NotYet{{Outcome::kNoTransform, ""}};
     const ros::Time stamp = shifted(message.header.stamp, params.cloud_time_offset);
     const std::string frame = frameOf(message);
@@ -382,7 +382,7 @@ struct Collector::Impl {
   std::map<std::string, double> last_stamps;
   LineThrottle throttle;
   double newest = 0;  ///< s, of all clouds and images since time last jumped
-  bool giving_up = false;
+  bool giving_up = false, settling = false;
   ViewWriter writer;
 };
 
@@ -448,6 +448,15 @@ void Collector::useRecorder(Recorder& recorder) {
 }
 
 void Collector::process() {
+  impl_->process();
+}
+
+void Collector::settle() {
+  struct Settling {
+    explicit Settling(bool& is_on) : flag(is_on) { flag = true; }
+    ~Settling() { flag = false; }
+    bool& flag;
+  } settling(impl_->settling);
   impl_->process();
 }
 

@@ -64,7 +64,7 @@ bool RecordingSession::isGone() {
 Recording RecordingSession::snapshot() {
   const std::lock_guard<std::mutex> lock(mutex_);
   require(!isGone(), error_);
-  collector_->process();
+  collector_->settle();
   return recorder_->snapshot();
 }
 

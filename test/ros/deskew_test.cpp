@@ -107,6 +107,20 @@ class DeskewTest : public testing::Test {
     return message;
   }
 
+  /// Of two sweeps.
+  static void addPoses(Collector& collector, double stamp) {
+    tf2_msgs::TFMessage transforms;
+    for (int k = 0; k < 20; ++k) {
+      const double time = stamp + 0.01 * k;
+      geometry_msgs::TransformStamped transform = tf2::eigenToTransform(mapFromLidar(time));
+      transform.header.stamp.fromSec(time);
+      transform.header.frame_id = "map";
+      transform.child_frame_id = "lidar";
+      transforms.transforms.push_back(transform);
+    }
+    collector.addTransforms(transforms, false);
+  }
+
   /// Share of the recorded points that are on a wall.
   double recorded(bool skewed) {
     Recorder recorder(scratch_ / "recording", "map", params_.record);
@@ -116,16 +130,7 @@ class DeskewTest : public testing::Test {
     for (int i = 0; i < 25; ++i) {
       const double stamp = kStart + i * kSweep;
       collector.addCloud(sweep(stamp, skewed));
-      tf2_msgs::TFMessage transforms;
-      for (int k = 0; k < 20; ++k) {
-        const double time = stamp + 0.01 * k;
-        geometry_msgs::TransformStamped transform = tf2::eigenToTransform(mapFromLidar(time));
-        transform.header.stamp.fromSec(time);
-        transform.header.frame_id = "map";
-        transform.child_frame_id = "lidar";
-        transforms.transforms.push_back(transform);
-      }
-      collector.addTransforms(transforms, false);
+      addPoses(collector, stamp);
       collector.process();
     }
     collector.finish();
@@ -183,6 +188,20 @@ TEST_F(DeskewTest, WithGapsBetweenTheStampsAutoTakesTheCloudsAsTheyCame) {
   }
   collector.finish();
   EXPECT_EQ(collector.stats().cloud.count(Outcome::kKept), 4U);
+}
+
+/// A map is asked for before there is enough to tell.
+TEST_F(DeskewTest, SettlingRecordsWhatWaitsForFurtherClouds) {
+  Recorder recorder(scratch_ / "recording", "map", params_.record);
+  Collector collector(recorder, params_, {});
+  for (int i = 0; i < 5; ++i) {
+    addPoses(collector, kStart + i * kSweep);
+    collector.addCloud(sweep(kStart + i * kSweep, true));
+    collector.process();
+  }
+  EXPECT_EQ(collector.stats().cloud.count(Outcome::kKept), 0U);
+  collector.settle();
+  EXPECT_EQ(collector.stats().cloud.count(Outcome::kKept), 5U);
 }
 
 /// tf often ends with the last cloud's stamp.

@@ -152,6 +152,8 @@ class Collector {
 
   /// Records what can be recorded by now. Called by the owner after adding, as often as it likes.
   void process();
+  /// Likewise, and does not wait for further clouds to tell whether their motion is to be undone.
+  void settle();
   void drain();  ///< waits for the encoders and writes their views
   /// Records what can be recorded, gives up on the rest, and drains.
   void finish();
