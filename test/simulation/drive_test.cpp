@@ -83,7 +83,7 @@ TEST(Options, EveryValueOutOfRangeIsRefused) {
                                                                 {"leaves", "-1"},
                                                                 {"beam-divergence", "-1"},
                                                                 {"drift", "-1"}};
-  EXPECT_EQ(bad.size() + 3, describeOptions(Options{}).size());  // all but the two switches and the preset
+  EXPECT_EQ(bad.size() + 4, describeOptions(Options{}).size());  // all but the three switches and the preset
   for (const auto& [name, value] : bad) {
     Options o;
     setOption(o, name, value);

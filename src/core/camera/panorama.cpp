@@ -10,7 +10,6 @@
 namespace cloud_colorizer {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kMargin = 4;  // px around a panorama for the interpolation, and of a face beyond 90 degrees
 
 Eigen::Matrix3d columns(const Eigen::Vector3d& right, const Eigen::Vector3d& down, const Eigen::Vector3d& ahead) {
@@ -34,8 +33,8 @@ cv::Mat2f lookUpMap(cv::Size panorama, const PanoramaFace& face) {
     for (int u = 0; u < k.width; ++u) {
       const Eigen::Vector3d ray = turn * Eigen::Vector3d((u - k.cx) / k.fx, (v - k.cy) / k.fy, 1);
       const double around = std::atan2(ray.x(), ray.z()), below = std::atan2(ray.y(), std::hypot(ray.x(), ray.z()));
-      const double x = (0.5 + around / (2 * kPi)) * panorama.width - 0.5;
-      const double y = (0.5 + below / kPi) * panorama.height - 0.5;
+      const double x = (0.5 + around / (2 * CV_PI)) * panorama.width - 0.5;
+      const double y = (0.5 + below / CV_PI) * panorama.height - 0.5;
       map(v, u) = {static_cast<float>(x + kMargin), static_cast<float>(y + kMargin)};
     }
   }
@@ -47,7 +46,7 @@ cv::Mat2f lookUpMap(cv::Size panorama, const PanoramaFace& face) {
 std::vector<PanoramaFace> panoramaFaces(int width) {
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
   Intrinsics k;
-  k.fx = k.fy = width / (2 * kPi);
+  k.fx = k.fy = width / (2 * CV_PI);
   k.width = k.height = static_cast<int>(std::ceil(2 * k.fx)) + 2 * kMargin;
   k.cx = k.cy = 0.5 * (k.width - 1);
   return {{"front", k, columns(x, y, z)}, {"right", k, columns(-z, y, x)}, {"back", k, columns(-x, y, -z)},
