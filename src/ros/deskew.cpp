@@ -27,7 +27,7 @@ constexpr double kTrialStep = 0.35;  // s between two of them
 constexpr int kMaxTrials = 20;
 constexpr float kClear = 0.1F;  // of a thickness: a smaller difference is none
 /// So many times more surfels must get thinner than thicker, or the other way round. With errors of poses as vehicles
-/// have them, the wrong way reached 1.9 and the right one 2.1 to 4.9 (10 m/s; 3.4 at 2 m/s).
+/// have them, the wrong way reached 1.9 (at 1 to 2 m/s) and the right one 2.2 to 5.9 (at 10 m/s).
 constexpr double kMajority = 2.2;
 
 struct Unit {
