@@ -213,17 +213,11 @@ cv::Mat1b CameraStream::maskOf(const ImageMessage& image) const {
   }
   cv::Mat mask = decode(*found);
   if (mask.channels() == 3) cv::cvtColor(mask, mask, cv::COLOR_BGR2GRAY);
-  mask = mask != 0;
-  const cv::Size size(intrinsics_.width, intrinsics_.height);
-  const double x = static_cast<double>(mask.cols) / size.width, y = static_cast<double>(mask.rows) / size.height;
-  if (std::abs(x - y) * std::min(size.width, size.height) > 1) {
-    std::ostringstream text;
-    text << "the mask is " << mask.cols << " x " << mask.rows << ", the image " << size.width << " x " << size.height
-         << "; it must have the image's shape";
-    throw Refused{Outcome::kNoMask, text.str()};
+  try {
+    return fittedMask(mask != 0, {intrinsics_.width, intrinsics_.height});
+  } catch (const Invalid& error) {
+    throw Refused{Outcome::kNoMask, error.what()};
   }
-  if (mask.size() != size) cv::resize(mask, mask, size, 0, 0, cv::INTER_NEAREST);
-  return mask;
 }
 
 /// Cameras of 10, 12 and 14 bits come in 16, where nothing says how many are filled.

@@ -299,15 +299,4 @@ cv::Mat imageFromMessage(const sensor_msgs::CompressedImage& message) {
   return cv_bridge::cvtColor(boost::make_shared<cv_bridge::CvImage>(message.header, encoding, image), enc::BGR8)->image;
 }
 
-EncodedImage encodeImage(const cv::Mat& image, const std::string& format) {
-  EncodedImage result;
-  result.extension = format;
-  if (format == "ppm" && image.channels() == 1) result.extension = "pgm";
-  if ((format == "jpg" && image.depth() == CV_16U) || image.channels() == 4) result.extension = "png";
-  const std::vector<int> options = {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_JPEG_QUALITY, 95};
-  require(cv::imencode("." + result.extension, image, result.bytes, options), "OpenCV cannot encode a ", image.cols,
-          " x ", image.rows, " image as ", result.extension);
-  return result;
-}
-
 }  // namespace cloud_colorizer

@@ -84,13 +84,9 @@ std::optional<PointTimes> pointTimes(const Cloud& cloud, double stamp) {
     const bool is_same_clock = std::abs(*first * unit->seconds - stamp) < kSameClock;
     zero = is_same_clock ? stamp / unit->seconds : *first;
   }
-  PointTimes times{field->name, unit->name, std::vector<float>(count), 0, 0};
-  for (std::size_t i = 0; i < count; ++i) {
-    times.seconds[i] = static_cast<float>((values[i] - zero) * unit->seconds);
-  }
-  const auto [begin, end] = std::minmax_element(times.seconds.begin(), times.seconds.end());
-  times.first = *begin;
-  times.last = *end;
+  const auto after = [&](double value) { return static_cast<float>((value - zero) * unit->seconds); };
+  PointTimes times{field->name, unit->name, std::vector<float>(count), after(*first), after(*last)};
+  std::transform(values.begin(), values.end(), times.seconds.begin(), after);
   return times;
 }
 

@@ -52,14 +52,16 @@ void ViewWriter::add(PendingView view, const sensor_msgs::CompressedImageConstPt
 }
 
 template <class MessagePtr>
-std::future<std::vector<EncodedImage>> ViewWriter::encode(const MessagePtr& message, const PendingView& view,
-                                                          const std::string& format) {
-  return pool_.run([message, bits = view.bits, faces = view.faces, format] {
+std::future<std::vector<EncodedPixels>> ViewWriter::encode(const MessagePtr& message, const PendingView& view,
+                                                           const std::string& format) {
+  return pool_.run([message, bits = view.bits, faces = view.faces, mask = view.mask, format] {
     const cv::Mat image = withAlpha(scaledTo16Bits(imageFromMessage(*message), bits), opaqueOf(*message));
-    std::vector<EncodedImage> encoded;
+    std::vector<EncodedPixels> encoded;
     encoded.reserve(std::max<std::size_t>(1, faces.size()));
-    for (const PendingFace& face : faces) encoded.push_back(encodeImage(cutFace(image, face.face), format));
-    if (faces.empty()) encoded.push_back(encodeImage(image, format));
+    for (const PendingFace& face : faces) {
+      encoded.push_back({encodeImage(cutFace(image, face.face), format), cutMask(mask, face.face)});
+    }
+    if (faces.empty()) encoded.push_back({encodeImage(image, format), mask});
     return encoded;
   });
 }
@@ -76,19 +78,18 @@ void ViewWriter::write(std::size_t max_left, Recorder& recorder) {
       record(view, recorder);
       continue;
     }
-    std::vector<EncodedImage> encoded = view.encoded.get();
+    std::vector<EncodedPixels> encoded = view.encoded.get();
     const Eigen::Isometry3d map_from_panorama = view.map_from_camera;
-    const cv::Mat mask_of_panorama = view.mask;
     for (std::size_t i = 0; i < encoded.size(); ++i) {
       if (!view.faces.empty()) {
         const PanoramaFace& face = view.faces[i].face;
         view.id = view.faces[i].id;
         view.intrinsics = face.intrinsics;
         view.map_from_camera.linear() = map_from_panorama.linear() * face.panorama_from_face;
-        view.mask = cutMask(mask_of_panorama, face);
       }
-      view.extension = encoded[i].extension;
-      view.bytes = std::make_shared<const std::vector<std::uint8_t>>(std::move(encoded[i].bytes));
+      view.mask = encoded[i].mask;
+      view.extension = encoded[i].image.extension;
+      view.bytes = std::make_shared<const std::vector<std::uint8_t>>(std::move(encoded[i].image.bytes));
       record(view, recorder);
     }
   }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "camera/panorama.hpp"
+#include "camera/pixels.hpp"
 #include "cloud_colorizer/recording/recorder.hpp"
 #include "cloud_colorizer/ros/collector.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
@@ -23,6 +24,12 @@ namespace cloud_colorizer {
 struct PendingFace {
   PanoramaFace face;
   std::uint32_t id = 0;
+};
+
+/// What an encoder makes of an image or a face of it, and the mask that belongs to that.
+struct EncodedPixels {
+  EncodedImage image;
+  cv::Mat1b mask;
 };
 
 /// A view whose image may still be with an encoder.
@@ -39,7 +46,7 @@ struct PendingView {
   int bits = 16;                   ///< of 16 bits a channel, those that are filled
   std::vector<PendingFace> faces;  ///< of a panorama: what is recorded instead of it
   /// Of a raw image, of one that is decoded, or of each face.
-  std::future<std::vector<EncodedImage>> encoded;
+  std::future<std::vector<EncodedPixels>> encoded;
 };
 
 class ViewWriter {
@@ -61,8 +68,8 @@ class ViewWriter {
   static constexpr std::size_t kMaxEncoding = 8;  // images in work
 
   template <class MessagePtr>
-  std::future<std::vector<EncodedImage>> encode(const MessagePtr& message, const PendingView& view,
-                                                const std::string& format);
+  std::future<std::vector<EncodedPixels>> encode(const MessagePtr& message, const PendingView& view,
+                                                 const std::string& format);
   void record(const PendingView& view, Recorder& recorder);
   /// Writes the views that are encoded, and waits where more than `max_left` would be left.
   void write(std::size_t max_left, Recorder& recorder);
@@ -70,7 +77,7 @@ class ViewWriter {
   std::string raw_image_format_;
   Kept kept_;
   std::deque<PendingView> views_;
-  EncoderPool<std::vector<EncodedImage>> pool_;  ///< last: its threads end before what they use
+  EncoderPool<std::vector<EncodedPixels>> pool_;  ///< last: its threads end before what they use
 };
 
 }  // namespace cloud_colorizer

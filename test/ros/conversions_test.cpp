@@ -12,6 +12,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "camera/pixels.hpp"
 #include "core/scratch.hpp"
 #include "ros/messages.hpp"
 

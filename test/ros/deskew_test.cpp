@@ -107,18 +107,18 @@ class DeskewTest : public testing::Test {
     return message;
   }
 
+  static void addPose(Collector& collector, double stamp) {
+    tf2_msgs::TFMessage message;
+    message.transforms.push_back(tf2::eigenToTransform(mapFromLidar(stamp)));
+    message.transforms[0].header.stamp.fromSec(stamp);
+    message.transforms[0].header.frame_id = "map";
+    message.transforms[0].child_frame_id = "lidar";
+    collector.addTransforms(message, false);
+  }
+
   /// Of two sweeps.
   static void addPoses(Collector& collector, double stamp) {
-    tf2_msgs::TFMessage transforms;
-    for (int k = 0; k < 20; ++k) {
-      const double time = stamp + 0.01 * k;
-      geometry_msgs::TransformStamped transform = tf2::eigenToTransform(mapFromLidar(time));
-      transform.header.stamp.fromSec(time);
-      transform.header.frame_id = "map";
-      transform.child_frame_id = "lidar";
-      transforms.transforms.push_back(transform);
-    }
-    collector.addTransforms(transforms, false);
+    for (int k = 0; k < 20; ++k) addPose(collector, stamp + 0.01 * k);
   }
 
   /// Share of the recorded points that are on a wall.
@@ -177,12 +177,7 @@ TEST_F(DeskewTest, WithGapsBetweenTheStampsAutoTakesTheCloudsAsTheyCame) {
   Collector collector(recorder, params_, {});
   for (int i = 0; i < 4; ++i) {
     const double stamp = kStart + i;
-    tf2_msgs::TFMessage transforms;
-    transforms.transforms.push_back(tf2::eigenToTransform(mapFromLidar(stamp)));
-    transforms.transforms[0].header.stamp.fromSec(stamp);
-    transforms.transforms[0].header.frame_id = "map";
-    transforms.transforms[0].child_frame_id = "lidar";
-    collector.addTransforms(transforms, false);
+    addPose(collector, stamp);
     collector.addCloud(sweep(stamp, true));
     collector.process();
   }
@@ -208,12 +203,7 @@ TEST_F(DeskewTest, SettlingRecordsWhatWaitsForFurtherClouds) {
 TEST_F(DeskewTest, WithoutPosesForTheWholeSweepAutoTakesTheCloudAsItCame) {
   Recorder recorder(scratch_ / "recording", "map", params_.record);
   Collector collector(recorder, params_, {});
-  tf2_msgs::TFMessage transforms;
-  transforms.transforms.push_back(tf2::eigenToTransform(mapFromLidar(kStart)));
-  transforms.transforms[0].header.stamp.fromSec(kStart);
-  transforms.transforms[0].header.frame_id = "map";
-  transforms.transforms[0].child_frame_id = "lidar";
-  collector.addTransforms(transforms, false);
+  addPose(collector, kStart);
   collector.addCloud(sweep(kStart, true));
   collector.finish();
   EXPECT_EQ(collector.stats().cloud.count(Outcome::kKept), 1U);

@@ -13,9 +13,8 @@
 namespace cloud_colorizer {
 
 /// Writes into `directory`, which is made when missing, in the map frame (the recording's origin added):
-///   cameras.txt images.txt points3D.txt   COLMAP's text model, without points (see exportPoints); our camera models
-///   are COLMAP's too trajectory_camera_i.txt               TUM: stamp tx ty tz qx qy qz qw of map_from_camera, one
-///   file a camera
+///   cameras.txt images.txt points3D.txt   COLMAP's text model, whose camera models ours are; without points
+///   trajectory_camera_i.txt               TUM: stamp tx ty tz qx qy qz qw of map_from_camera, one file a camera
 /// The poses are the corrected ones when colorize() aligned the recording with these parameters, else the recorded
 /// ones. `names`: of the images, one a view; empty: their files relative to the recording's folder `images`.
 /// Each file is complete or absent. Throws std::runtime_error with path and reason.

@@ -72,12 +72,4 @@ bool isWide(const sensor_msgs::Image& message);  ///< 16 bits a channel
 /// Where a good image with alpha is opaque: 0 elsewhere; empty where all of it is.
 cv::Mat opaquePixels(const sensor_msgs::Image& message);
 
-/// `format`: ppm (stored as it is; grey becomes pgm), png (compressed as fast as possible), both without loss; or jpg
-/// (quality 95; 16-bit images become png). An image with alpha (BGRA) becomes png.
-struct EncodedImage {
-  std::vector<std::uint8_t> bytes;
-  std::string extension;
-};
-EncodedImage encodeImage(const cv::Mat& image, const std::string& format);
-
 }  // namespace cloud_colorizer

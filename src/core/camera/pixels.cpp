@@ -2,7 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "camera/pixels.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "cloud_colorizer/base/check.hpp"
 
 namespace cloud_colorizer {
 
@@ -27,6 +32,30 @@ cv::Mat opaquePixels(const cv::Mat& image) {
   cv::minMaxIdx(alpha, &least, &most);
   if (least == most) return {};
   return alpha >= most;
+}
+
+bool hasShapeOf(cv::Size size, cv::Size other) {
+  const double x = static_cast<double>(size.width) / other.width, y = static_cast<double>(size.height) / other.height;
+  return std::abs(x - y) * std::min(other.width, other.height) <= 1;
+}
+
+cv::Mat1b fittedMask(const cv::Mat& mask, cv::Size image) {
+  require<std::invalid_argument>(hasShapeOf(mask.size(), image), "the mask is ", mask.cols, " x ", mask.rows,
+                                 ", the image ", image.width, " x ", image.height, "; it must have the image's shape");
+  cv::Mat fitted = mask;
+  if (mask.size() != image) cv::resize(mask, fitted, image, 0, 0, cv::INTER_NEAREST);
+  return fitted;
+}
+
+EncodedImage encodeImage(const cv::Mat& image, const std::string& format) {
+  EncodedImage result;
+  result.extension = format;
+  if (format == "ppm" && image.channels() == 1) result.extension = "pgm";
+  if ((format == "jpg" && image.depth() == CV_16U) || image.channels() == 4) result.extension = "png";
+  const std::vector<int> options = {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_JPEG_QUALITY, 95};
+  require(cv::imencode("." + result.extension, image, result.bytes, options), "OpenCV cannot encode a ", image.cols,
+          " x ", image.rows, " image as ", result.extension);
+  return result;
 }
 
 }  // namespace cloud_colorizer

@@ -274,7 +274,7 @@ void writeColmapModel(const std::string& directory, const ColmapModel& model) {
   }
   writeText(directory + "/cameras.txt", cameras);
   writeText(directory + "/images.txt", images);
-  writeText(directory + "/points3D.txt", "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n");
+  writeText(directory + "/points3D.txt", kPointsHeader);
 }
 
 }  // namespace cloud_colorizer

@@ -50,6 +50,9 @@ struct ColmapEntries {
   std::vector<Frame> frames;  ///< their poses count, not those of the images
 };
 
+/// The first line of points3D.txt.
+constexpr const char* kPointsHeader = "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n";
+
 /// cameras.txt, images.txt, and where they are there rigs.txt and frames.txt. Throws std::runtime_error with file, line
 /// and reason.
 ColmapEntries readColmapText(const std::string& directory);

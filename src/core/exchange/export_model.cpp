@@ -9,6 +9,7 @@
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/exchange/colmap.hpp"
 #include "cloud_colorizer/map/colorize.hpp"
+#include "exchange/colmap_entries.hpp"
 #include "exchange/colored_points.hpp"
 
 namespace cloud_colorizer {
@@ -67,7 +68,7 @@ void exportPoints(const Recording& recording, const Params& params, const std::s
                   std::size_t max_points) {
   AtomicFile file(directory + "/points3D.txt");
   const auto append = [&](const std::string& text) { file.append(text.data(), text.size()); };
-  append("# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n");
+  append(kPointsHeader);
   std::size_t id = 0;
   forSomeColoredPoints(recording, params, max_points, false, [&](const Eigen::Vector3d& at, std::uint32_t rgb) {
     std::string line = std::to_string(++id);

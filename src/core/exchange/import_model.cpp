@@ -155,12 +155,16 @@ void importPanorama(const Photo& photo, double stamp, const Eigen::Isometry3d& m
     if (callbacks.log) callbacks.log(LogLevel::kWarning, std::string("a view is left out: ") + error.what());
   }
   const std::vector<PanoramaFace> faces = panoramaFaces(photo.size().width);
-  std::vector<EncodedPhoto> encoded(faces.size());
-  parallelFor(0, faces.size(), [&](std::size_t i) { encoded[i] = photo.encodedFace(cutFace(pixels.image, faces[i])); });
+  std::vector<EncodedImage> encoded(faces.size());
+  std::vector<cv::Mat> masks(faces.size());
+  parallelFor(0, faces.size(), [&](std::size_t i) {
+    encoded[i] = photo.encodedFace(cutFace(pixels.image, faces[i]));
+    masks[i] = cutMask(pixels.mask, faces[i]);
+  });
   for (std::size_t i = 0; i < faces.size(); ++i) {
     Eigen::Isometry3d pose = map_from_camera;
     pose.linear() *= faces[i].panorama_from_face;
-    recorder.addView(ids[i], stamp, pose, encoded[i].bytes, encoded[i].extension, cutMask(pixels.mask, faces[i]));
+    recorder.addView(ids[i], stamp, pose, encoded[i].bytes, encoded[i].extension, masks[i]);
   }
 }
 
@@ -174,7 +178,7 @@ void importViews(const ColmapModel& model, const std::vector<Photo>& photos, Rec
     if (isPanorama(model.cameras[model.images[i].camera])) {
       importPanorama(photos[i], stamp, pose, cameras[i], recorder, callbacks);
     } else {
-      const EncodedPhoto encoded = photos[i].encoded();
+      const EncodedImage encoded = photos[i].encoded();
       recorder.addView(cameras[i][0], stamp, pose, encoded.bytes, encoded.extension, photos[i].mask());
     }
     progress.add(1);

@@ -3,7 +3,6 @@
 #include "exchange/photos.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
@@ -31,12 +30,6 @@ cv::Mat tryRead(const std::string& path, int flags) {
   } catch (const cv::Exception&) {
     return {};
   }
-}
-
-/// But for the rounding of the shorter side.
-bool isScaled(const Intrinsics& camera, cv::Size size) {
-  const double x = static_cast<double>(size.width) / camera.width, y = static_cast<double>(size.height) / camera.height;
-  return std::abs(x - y) * std::min(camera.width, camera.height) <= 1;
 }
 
 cv::Size turned(cv::Size size) {
@@ -88,14 +81,13 @@ Look lookAt(const std::string& path, const Intrinsics& camera) {
 
 /// The size with which the photo is used.
 cv::Size usedSize(const Look& look, const Intrinsics& camera, const std::string& name, const std::string& folder) {
-  if (isScaled(camera, look.size)) return look.size;
-  if (look.is_turned && isScaled(camera, turned(look.size))) return turned(look.size);
-  const bool fits_turned = isScaled(camera, turned(look.size));
-  require(false, "image ", name, " in ", folder, " is ", look.size.width, " x ", look.size.height,
-          " px, but its camera in the model has ", camera.width, " x ", camera.height,
+  const cv::Size wanted(camera.width, camera.height);
+  const bool fits = hasShapeOf(look.size, wanted), fits_turned = hasShapeOf(turned(look.size), wanted);
+  require(fits || (fits_turned && look.is_turned), "image ", name, " in ", folder, " is ", look.size.width, " x ",
+          look.size.height, " px, but its camera in the model has ", camera.width, " x ", camera.height,
           fits_turned ? "; it seems to be turned by a quarter: turn the images as the model has them"
                       : "; give the images that the model was made from, or a model that was scaled with them");
-  return {};
+  return fits ? look.size : turned(look.size);
 }
 
 /// COLMAP calls the mask of a/b.jpg a/b.jpg.png; others a/b.png.
@@ -150,9 +142,7 @@ void logSizes(const ColmapModel& model, const std::vector<Look>& looks, const st
   for (std::size_t i = 0; i < photos.size(); ++i) {
     const Intrinsics& camera = model.cameras[model.images[i].camera];
     const std::string& name = model.images[i].name;
-    if (photos[i].size() != cv::Size(camera.width, camera.height)) {
-      scaled.add(name);
-    }
+    if (photos[i].size() != cv::Size(camera.width, camera.height)) scaled.add(name);
     const bool is_applied = photos[i].size() != looks[i].size;
     if (looks[i].is_turned) (is_applied ? turned_back : maybe_turned).add(name);
   }
@@ -166,11 +156,10 @@ void logSizes(const ColmapModel& model, const std::vector<Look>& looks, const st
 
 }  // namespace
 
-EncodedPhoto Photo::encoded() const {
+EncodedImage Photo::encoded() const {
   if (bits_ < 16) {
     const cv::Mat image = tryRead(path_, cv::IMREAD_UNCHANGED);
-    EncodedPhoto photo{{}, "png"};
-    if (image.depth() == CV_16U && cv::imencode(".png", scaledTo16Bits(image, bits_), photo.bytes)) return photo;
+    if (image.depth() == CV_16U) return encodeImage(scaledTo16Bits(image, bits_), "png");
   }
   return {readFile(path_), lowerExtension(path_).erase(0, 1)};
 }
@@ -184,27 +173,22 @@ ViewPixels Photo::decoded() const {
   return pixels;
 }
 
-EncodedPhoto Photo::encodedFace(const cv::Mat& rgb) const {
-  constexpr int kQuality = 95;
+EncodedImage Photo::encodedFace(const cv::Mat& rgb) const {
   const std::string own = lowerExtension(path_);
-  EncodedPhoto photo{{}, own == ".jpg" || own == ".jpeg" ? "jpg" : "png"};
   cv::Mat bgr;
   cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  const std::vector<int> options = {cv::IMWRITE_JPEG_QUALITY, kQuality, cv::IMWRITE_PNG_COMPRESSION, 1};
-  require(cv::imencode("." + photo.extension, bgr, photo.bytes, options), "OpenCV cannot encode ", photo.extension);
-  return photo;
+  return encodeImage(bgr, own == ".jpg" || own == ".jpeg" ? "jpg" : "png");
 }
 
 cv::Mat1b Photo::mask() const {
   if (mask_path_.empty()) return {};
-  cv::Mat mask = tryRead(mask_path_, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  const cv::Mat mask = tryRead(mask_path_, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
   require(!mask.empty(), "the mask ", mask_path_, " cannot be read as an image");
-  const double x = static_cast<double>(mask.cols) / size_.width, y = static_cast<double>(mask.rows) / size_.height;
-  require(std::abs(x - y) * std::min(size_.width, size_.height) <= 1, "the mask ", mask_path_, " is ", mask.cols, " x ",
-          mask.rows, ", but its image ", size_.width, " x ", size_.height,
-          "; masks must have the shape of their images");
-  if (mask.size() != size_) cv::resize(mask, mask, size_, 0, 0, cv::INTER_NEAREST);
-  return mask;
+  try {
+    return fittedMask(mask, size_);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(mask_path_ + ": " + error.what());
+  }
 }
 
 std::vector<Photo> checkPhotos(const ModelFiles& files, const ColmapModel& model, const Callbacks& callbacks) {

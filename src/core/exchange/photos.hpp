@@ -4,22 +4,17 @@
 /// The images that a model names, as the files that people have of them: scaled, turned, of 10 to 16 bits, with masks.
 #pragma once
 
-#include <cstdint>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
+#include "camera/pixels.hpp"
 #include "cloud_colorizer/base/types.hpp"
 #include "cloud_colorizer/exchange/colmap.hpp"
 #include "cloud_colorizer/exchange/import_model.hpp"
 #include "cloud_colorizer/recording/recording.hpp"
 
 namespace cloud_colorizer {
-
-struct EncodedPhoto {
-  std::vector<std::uint8_t> bytes;
-  std::string extension;
-};
 
 /// A file that was checked.
 class Photo {
@@ -31,10 +26,10 @@ class Photo {
   void setBits(int bits) { bits_ = bits; }
   void setMask(std::string path) { mask_path_ = std::move(path); }
 
-  EncodedPhoto encoded() const;  ///< the file as it is, or with the full scale of its bits
+  EncodedImage encoded() const;  ///< the file as it is, or with the full scale of its bits
   ViewPixels decoded() const;    ///< with its mask. Throws std::runtime_error where it is damaged
   /// A part of it, without loss where the file has none.
-  EncodedPhoto encodedFace(const cv::Mat& rgb) const;
+  EncodedImage encodedFace(const cv::Mat& rgb) const;
   cv::Mat1b mask() const;  ///< of its size; empty: none. Throws std::runtime_error where it is no image
 
  private:

@@ -54,12 +54,20 @@ class ImportModel : public ::testing::Test {
     return image;
   }
 
+  static Callbacks loggingTo(std::string& log) {
+    Callbacks callbacks;
+    callbacks.log = [&log](LogLevel, const std::string& text) { log += text + '\n'; };
+    return callbacks;
+  }
+
   Recording import() {
     RecordParams params;
     params.voxel_size = 0;
     return importModel(files_, scratch_ / "r", params, {});
   }
 
+  std::string log_;
+  Callbacks callbacks_ = loggingTo(log_);
   ScratchDirectory scratch_;
   ModelFiles files_{scratch_ / "map.ply", scratch_ / "images", scratch_ / "model", ""};
   ColmapModel model_;
@@ -98,13 +106,10 @@ TEST_F(ImportModel, PhotosOfAnotherScaleGetScaledIntrinsics) {
 }
 
 TEST_F(ImportModel, PosesThatCannotBeRightAreTold) {
-  std::string log;
-  Callbacks callbacks;
-  callbacks.log = [&](LogLevel, const std::string& text) { log += text + '\n'; };
   RecordParams params;
   params.voxel_size = 0;
-  importModel(files_, scratch_ / "right", params, callbacks);
-  EXPECT_EQ(log, "");
+  importModel(files_, scratch_ / "right", params, callbacks_);
+  EXPECT_EQ(log_, "");
   const std::string images = readText(files_.model + "/images.txt");
   std::string reordered;
   std::istringstream lines(images);
@@ -121,8 +126,8 @@ TEST_F(ImportModel, PosesThatCannotBeRightAreTold) {
     reordered += line + '\n';
   }
   writeText(files_.model + "/images.txt", reordered);
-  importModel(files_, scratch_ / "wrong", params, callbacks);
-  EXPECT_NE(log.find("x y z w"), std::string::npos) << log;
+  importModel(files_, scratch_ / "wrong", params, callbacks_);
+  EXPECT_NE(log_.find("x y z w"), std::string::npos) << log_;
 }
 
 TEST_F(ImportModel, APhotoOfAnotherShapeIsToldBeforeTheWork) {
@@ -138,19 +143,16 @@ TEST_F(ImportModel, APhotoOfAnotherShapeIsToldBeforeTheWork) {
 }
 
 TEST_F(ImportModel, APhotoThatItsExifDataTurnsIsTurnedWhereOnlySoItFits) {
-  std::string log;
-  Callbacks callbacks;
-  callbacks.log = [&](LogLevel, const std::string& text) { log += text + '\n'; };
   RecordParams params;
   params.voxel_size = 0;
   const cv::Mat3b lying = writeTurnedJpeg("b.jpg", 64, 48);  // as the model has it: COLMAP does not turn
-  const Recording as_it_is = importModel(files_, scratch_ / "lying", params, callbacks);
-  EXPECT_NE(log.find("b.jpg: has an EXIF orientation, which is not applied"), std::string::npos) << log;
+  const Recording as_it_is = importModel(files_, scratch_ / "lying", params, callbacks_);
+  EXPECT_NE(log_.find("b.jpg: has an EXIF orientation, which is not applied"), std::string::npos) << log_;
   EXPECT_LT(cv::norm(as_it_is.readPixels(1).image, lying, cv::NORM_INF), 30);
-  log.clear();
+  log_.clear();
   writeTurnedJpeg("b.jpg", 48, 64);
-  const Recording turned = importModel(files_, scratch_ / "turned", params, callbacks);
-  EXPECT_NE(log.find("b.jpg: turned as its EXIF orientation says"), std::string::npos) << log;
+  const Recording turned = importModel(files_, scratch_ / "turned", params, callbacks_);
+  EXPECT_NE(log_.find("b.jpg: turned as its EXIF orientation says"), std::string::npos) << log_;
   const cv::Mat image = turned.readPixels(1).image;
   ASSERT_EQ(image.size(), cv::Size(64, 48));
   EXPECT_GT(image.at<cv::Vec3b>(2, 60)[0], 200);  // the upper left corner is turned to the right
@@ -178,11 +180,8 @@ TEST_F(ImportModel, MasksAreFoundByTheNamesOfTheirImages) {
   cv::Mat1b mask(24, 32, std::uint8_t{1});  // half the size
   mask(5, 6) = 0;
   cv::imwrite(files_.masks + "/left/a.PNG.png", mask);
-  std::string log;
-  Callbacks callbacks;
-  callbacks.log = [&](LogLevel, const std::string& text) { log += text + '\n'; };
-  const Recording recording = importModel(files_, scratch_ / "r", {}, callbacks);
-  EXPECT_NE(log.find("b.jpg: no mask in"), std::string::npos) << log;
+  const Recording recording = importModel(files_, scratch_ / "r", {}, callbacks_);
+  EXPECT_NE(log_.find("b.jpg: no mask in"), std::string::npos) << log_;
   EXPECT_EQ(cv::countNonZero(recording.readPixels(0).mask), 64 * 48 - 4);
   EXPECT_EQ(recording.readPixels(0).mask.at<std::uint8_t>(11, 13), 0);
   EXPECT_TRUE(recording.readPixels(1).mask.empty());
@@ -209,11 +208,8 @@ TEST_F(ImportModel, APanoramaBecomesTheFacesOfACube) {
   cv::Mat1b mask(320, 640, std::uint8_t{255});
   mask(cv::Rect(0, 280, 640, 40)).setTo(0);  // who carries it
   cv::imwrite(files_.masks + "/left/a.PNG.png", mask);
-  std::string log;
-  Callbacks callbacks;
-  callbacks.log = [&](LogLevel, const std::string& text) { log += text + '\n'; };
-  const Recording recording = importModel(files_, scratch_ / "r", {}, callbacks);
-  EXPECT_NE(log.find("a view is left out"), std::string::npos) << log;
+  const Recording recording = importModel(files_, scratch_ / "r", {}, callbacks_);
+  EXPECT_NE(log_.find("a view is left out"), std::string::npos) << log_;
   ASSERT_EQ(recording.views().size(), 12U);
   EXPECT_EQ(recording.cameras()[recording.views()[1].camera].name, "camera_0_right");
   const auto middle = [&](std::size_t view) {
