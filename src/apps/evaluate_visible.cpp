@@ -56,7 +56,8 @@ class Moments {
       if (scans_.empty() || scans_.back().stamp < at.view.stamp) {
         waiting.push_back(at);
       } else if (scans_.front().stamp <= at.view.stamp) {
-        counts_.add(map_.count(nearest(at.view.stamp).in_map, Camera(at.intrinsics), at.view.map_from_camera));
+        const Camera camera = Camera(at.intrinsics).whileMoving(at.view.readout_motion);
+        counts_.add(map_.count(nearest(at.view.stamp).in_map, camera, at.view.map_from_camera));
       }
     }
     views_ = std::move(waiting);

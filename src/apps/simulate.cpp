@@ -13,6 +13,7 @@
 #include "base/file_io.hpp"
 #include "base/parallel.hpp"
 #include "base/stop_watch.hpp"
+#include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "simulation/truth.hpp"
 
@@ -86,7 +87,8 @@ void writeRigFile(const Drive& drive, const std::string& path) {
   text += std::string("map_frame: map\ncloud_in: ") + kCloudTopic + "\ncameras:\n";
   for (int i = 0; i < drive.options().cameras; ++i) {
     const std::string& name = drive.cameras()[static_cast<std::size_t>(i)].name;
-    text += "  - {image: " + imageTopic(drive, i) + ", camera_info: /" + name + "/camera_info, time_offset: 0}\n";
+    text += "  - {image: " + imageTopic(drive, i) + ", camera_info: /" + name + "/camera_info, time_offset: 0" +
+            (drive.options().readout > 0 ? ", readout_time: " + formatDouble(drive.options().readout) : "") + "}\n";
   }
   writeFileAtomically(path, text.data(), text.size());
 }

@@ -154,7 +154,7 @@ class Heldout {
   /// One of each method; the last one's pictures are saved.
   std::vector<HeldoutErrors> scoreView(std::size_t number) const {
     const View& recorded = recording_.views()[number];
-    const Camera camera(recording_.cameras()[recorded.camera].intrinsics);
+    const Camera camera = Camera(recording_.cameras()[recorded.camera].intrinsics).whileMoving(recorded.readout_motion);
     const ViewPixels pixels = recording_.readPixels(number);
     const HeldoutView view{recorded, camera, pixels.image, pixels.mask, emptyAt(recorded)};
     const SeenImage seen = view.at(points(), surfels_, params_.params);

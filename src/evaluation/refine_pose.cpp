@@ -14,7 +14,7 @@ namespace cloud_colorizer {
 namespace {
 
 using Eigen::Index;
-using Vector6 = alignment::Twist;
+using Vector6 = Twist;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr Index kMinPoints = 100, kMaxPoints = 30000;

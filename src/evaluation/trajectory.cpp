@@ -31,7 +31,7 @@ Eigen::Isometry3d commonMotion(const std::vector<View>& views, const std::vector
   const auto count = static_cast<double>(views.size());
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const View& view : views) centre += view.map_from_camera.translation() / count;
-  alignment::Twist mean = alignment::Twist::Zero();
+  Twist mean = Twist::Zero();
   for (std::size_t v = 0; v < views.size(); ++v) {
     const Eigen::Isometry3d moved = corrected[v] * views[v].map_from_camera.inverse();
     mean += alignment::twistOf(Eigen::Translation3d(-centre) * moved * Eigen::Translation3d(centre)) / count;

@@ -16,6 +16,7 @@
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
 #include "ros/clock_watch.hpp"
+#include "ros/fixed_frames.hpp"
 #include "ros/livox.hpp"
 #include "ros/moving_frame.hpp"
 #include "ros/transform_buffer.hpp"
@@ -26,6 +27,7 @@ namespace {
 using Strings = std::vector<std::string>;
 const Strings kTf = {"/tf", "tf"};
 const Strings kStaticTf = {"/tf_static", "tf_static"};
+constexpr double kFirstSeconds = 10;  // of a bag, and its last, that are searched for transforms that come once
 
 /// Runs `body`; what rosbag throws becomes an error with a remedy.
 template <class Body>
@@ -68,20 +70,30 @@ struct BagSource::Impl {
     for (const auto& bag : bags) all.addQuery(*bag);
     for (const rosbag::ConnectionInfo* connection : all.getConnections())
       topics[connection->topic] = connection->datatype;
-    if (all.size() > 0) duration = all.getEndTime().toSec() - all.getBeginTime().toSec();
+    if (all.size() > 0) begin = all.getBeginTime(), end = all.getEndTime();
   }
 
   /// rosbag::View cannot be copied.
-  std::unique_ptr<rosbag::View> view(const Strings& of_topics) const {
+  std::unique_ptr<rosbag::View> view(const Strings& of_topics, ros::Time from = ros::TIME_MIN,
+                                     ros::Time to = ros::TIME_MAX) const {
     auto result = std::make_unique<rosbag::View>();
-    for (const auto& bag : bags) result->addQuery(*bag, rosbag::TopicQuery(of_topics));
+    for (const auto& bag : bags) result->addQuery(*bag, rosbag::TopicQuery(of_topics), from, to);
     return result;
+  }
+
+  /// What /tf gives once for all.
+  std::vector<geometry_msgs::TransformStamped> transformsGivenOnce() const {
+    const ros::Duration some(kFirstSeconds);
+    if (begin >= ros::TIME_MAX - some || end <= ros::TIME_MIN + some) return {};  // no clock shows such times
+    const ros::Time after = begin + some;
+    return givenOnce(readTransforms(*view(kTf, begin, after)),
+                     readTransforms(*view(kTf, std::max(after, end - some), end)));
   }
 
   std::vector<std::unique_ptr<rosbag::Bag>> bags;
   std::string names;
   TopicTypes topics;
-  double duration = 0;
+  ros::Time begin, end;
 };
 
 namespace {
@@ -105,11 +117,15 @@ class TransformReader {
         collector_(collector),
         clocks_(clocks) {}
 
-  /// The fixed tree. Where poses are given, it is turned so that it hangs from their frame.
-  void giveFixed(std::vector<geometry_msgs::TransformStamped> fixed) {
+  /// The fixed tree, with what /tf gives only `once`. Where poses are given, it is turned so that it hangs from their
+  /// frame.
+  void giveFixed(std::vector<geometry_msgs::TransformStamped> fixed,
+                 const std::vector<geometry_msgs::TransformStamped>& once) {
+    fixed.insert(fixed.end(), once.begin(), once.end());
+    for (const auto& transform : once) known_.insert(transform.child_frame_id);
     if (!rig_.poses.empty()) {
-      above_.insert(rig_.base_frame);
-      fixed = rootedAt(rig_.base_frame, fixed, above_);
+      known_.insert(rig_.base_frame);
+      fixed = rootedAt(rig_.base_frame, fixed, known_);
     }
     tf2_msgs::TFMessage message;
     message.transforms = std::move(fixed);
@@ -147,7 +163,7 @@ class TransformReader {
     tf2_msgs::TFMessage result = message ? *message : tf2_msgs::TFMessage();
     auto& transforms = result.transforms;
     const auto is_given = [this](const geometry_msgs::TransformStamped& transform) {
-      return above_.count(withoutSlash(transform.child_frame_id)) != 0;
+      return known_.count(withoutSlash(transform.child_frame_id)) != 0;
     };
     transforms.erase(std::remove_if(transforms.begin(), transforms.end(), is_given), transforms.end());
     return result;
@@ -166,7 +182,7 @@ class TransformReader {
   const Rig& rig_;
   std::vector<geometry_msgs::TransformStamped>::const_iterator pose_;
   ros::Time last_stamp_;
-  std::set<std::string> above_;  ///< frames whose place the given poses tell, not tf
+  std::set<std::string> known_;  ///< frames whose place is given before, and not told by what comes on /tf
   ros::Duration lead_;
   Collector& collector_;
   ClockWatch& clocks_;
@@ -253,20 +269,6 @@ std::size_t pointsSeen(const CollectorStats& stats) {
   return points.added + points.not_finite + points.too_far + points.too_near + points.voxel_taken;
 }
 
-std::vector<geometry_msgs::TransformStamped> fixedTransforms(rosbag::View& view) {
-  std::vector<geometry_msgs::TransformStamped> fixed;
-  for (const rosbag::MessageInstance& message : view) {
-    const auto transforms = message.instantiate<tf2_msgs::TFMessage>();
-    if (!transforms) continue;
-    for (geometry_msgs::TransformStamped transform : transforms->transforms) {
-      transform.child_frame_id = withoutSlash(transform.child_frame_id);
-      transform.header.frame_id = withoutSlash(transform.header.frame_id);
-      fixed.push_back(transform);
-    }
-  }
-  return fixed;
-}
-
 /// A camera_info that comes once, or late, holds for the images before it.
 void giveFirstInfos(const Rig& rig, const std::function<std::unique_ptr<rosbag::View>(const Strings&)>& view,
                     Collector& collector) {
@@ -285,7 +287,7 @@ const TopicTypes& BagSource::topics() const {
   return impl_->topics;
 }
 double BagSource::duration() const {
-  return impl_->duration;
+  return impl_->end.toSec() - impl_->begin.toSec();
 }
 
 std::string BagSource::formatOf(const std::string& topic) const {
@@ -356,7 +358,13 @@ void BagSource::play(const Rig& rig, double tf_lead, Collector& collector, const
     Strings moving = kTf;
     if (!rig.odometry.empty()) moving.push_back(rig.odometry);
     TransformReader tf(impl_->view(moving), rig, tf_lead, collector, clocks);
-    tf.giveFixed(fixedTransforms(*impl_->view(kStaticTf)));
+    const auto once = impl_->transformsGivenOnce();
+    for (const auto& transform : once) {
+      if (callbacks.log)
+        callbacks.log(LogLevel::kInfo,
+                      "tf of " + transform.child_frame_id + ": comes once on /tf, and is taken as fixed");
+    }
+    tf.giveFixed(readTransforms(*impl_->view(kStaticTf)), once);
     const auto sensors = impl_->view(sensorTopics(rig));
     ReadProgress progress(sensors->size(), callbacks);
     for (const rosbag::MessageInstance& message : *sensors) {

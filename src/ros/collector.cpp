@@ -10,6 +10,7 @@
 #include <map>
 #include <sstream>
 
+#include "alignment/motion.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
 #include "ros/camera_stream.hpp"
@@ -281,6 +282,17 @@ struct Collector::Impl {
     return none;
   }
 
+  /// Of a rolling shutter the pose of the middle row, and the motion from the first to the last.
+  void setPose(const CameraStream& camera, const std::string& frame, ros::Time stamp, PendingView& view) {
+    const Eigen::Translation3d offset = offsetInFrame(camera);
+    const auto pose_after = [&](double seconds) -> Isometry {
+      return transforms.lookUp(map_frame, frame, shifted(stamp, seconds)) * offset;
+    };
+    const double readout = camera.params().readout_time;
+    view.map_from_camera = pose_after(readout / 2);
+    if (readout > 0) view.readout_motion = alignment::twistOf(pose_after(0).inverse() * pose_after(readout));
+  }
+
   Outcome recordImage(std::size_t number, const ImageMessage& image) {
     CameraStream& camera = cameras[number];
     checkHeader(image.header);
@@ -289,7 +301,7 @@ struct Collector::Impl {
     view.camera = number;
     const ros::Time stamp = shifted(image.header.stamp, camera.params().time_offset);
     view.stamp = stamp.toSec();
-    view.map_from_camera = transforms.lookUp(map_frame, camera.frameOf(image), stamp) * offsetInFrame(camera);
+    setPose(camera, camera.frameOf(image), stamp, view);
     if (camera.isRecorded(view, *recorder)) return Outcome::kRecordedBefore;
     if (!camera.isKeyframe(view.map_from_camera, params.record)) return Outcome::kNotKeyframe;
     camera.inspect(image, view, sayOf(camera));
@@ -348,6 +360,7 @@ struct Collector::Impl {
     kept.camera = view.id;
     kept.stamp = view.stamp;
     kept.map_from_camera = view.map_from_camera;
+    kept.readout_motion = view.readout_motion;
     events.view_kept(view.camera, kept, view.intrinsics, view.bytes);
   }
 

@@ -81,6 +81,10 @@ void CollectorParams::check() const {
     requireInRange(name.c_str(), cameras[i].time_offset, -kMaxOffset, kMaxOffset);
     require<std::invalid_argument>(cameras[i].model == "camera_info" || cameras[i].isPanorama(), "parameter camera_", i,
                                    "/model = \"", cameras[i].model, "\" must be one of: camera_info, equirectangular");
+    const std::string readout = "camera_" + std::to_string(i) + "/readout_time";
+    requireInRange(readout.c_str(), cameras[i].readout_time, 0.0, 1.0);
+    require<std::invalid_argument>(cameras[i].readout_time == 0 || !cameras[i].isPanorama(), "parameter ", readout,
+                                   " has no meaning for a panorama, whose rows come from several sensors");
     const std::string bits = "camera_" + std::to_string(i) + "/bits";
     if (cameras[i].bits != 0) requireInRange(bits.c_str(), cameras[i].bits, 9, 16);
   }

@@ -47,7 +47,8 @@ void LivePreview::color(NewestView& newest) {
   if (!bytes) return;
   const cv::Mat3b image = cv::imdecode(*bytes, cv::IMREAD_REDUCED_COLOR_4);
   if (image.empty()) return;
-  preview_.addView(Camera(newest.intrinsics), newest.view.map_from_camera, image, params_.core.depth.max_view_distance);
+  const Camera camera = Camera(newest.intrinsics).whileMoving(newest.view.readout_motion);
+  preview_.addView(camera, newest.view.map_from_camera, image, params_.core.depth.max_view_distance);
 }
 
 void LivePreview::publish(const Eigen::Vector3d& origin) {

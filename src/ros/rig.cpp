@@ -69,13 +69,14 @@ void checkKeys(const YAML::Node& node, const std::set<std::string>& known, const
 }
 
 RigCamera readCamera(const YAML::Node& node, const std::string& file) {
-  checkKeys(node, {"image", "camera_info", "time_offset", "mask", "masks", "model", "rectified"}, file);
+  checkKeys(node, {"image", "camera_info", "time_offset", "mask", "masks", "model", "rectified", "readout_time"}, file);
   require(static_cast<bool>(node["image"]), file, ": a camera has no image; an example:\n", exampleRig());
   RigCamera camera;
   camera.image = node["image"].as<std::string>();
   camera.camera_info = node["camera_info"] ? node["camera_info"].as<std::string>() : siblingInfo(camera.image);
   camera.params.rectified = isRectified(camera.image);
   if (node["rectified"]) camera.params.rectified = node["rectified"].as<bool>();
+  if (node["readout_time"]) camera.params.readout_time = node["readout_time"].as<double>();
   if (node["model"]) camera.params.model = node["model"].as<std::string>();
   if (node["masks"]) camera.masks = node["masks"].as<std::string>();
   camera.params.masks = !camera.masks.empty();
@@ -165,6 +166,7 @@ std::string exampleRig() {
          "    mask: front_mask.png              # black where the camera must not colour; may be left out\n"
          "    # masks: /front/segmentation      # images that are black there, one for each image, by its stamp\n"
          "    rectified: false                  # true: P counts, without distortion\n"
+         "    # readout_time: 0.02             # s from the first row to the last, of a rolling shutter\n"
          "    # model: equirectangular          # images of all directions, which need no camera_info\n"
          "map_frame: map                        # may be left out\n"
          "# odometry: /odom                     # nav_msgs/Odometry or geometry_msgs/PoseStamped, where tf has no "

@@ -96,7 +96,8 @@ void ViewWriter::write(std::size_t max_left, Recorder& recorder) {
 }
 
 void ViewWriter::record(const PendingView& view, Recorder& recorder) {
-  recorder.addView(view.id, view.stamp, view.map_from_camera, *view.bytes, view.extension, view.mask);
+  recorder.addView(view.id, view.stamp, view.map_from_camera, *view.bytes, view.extension, view.mask,
+                   view.readout_motion);
   if (kept_) kept_(view);
 }
 

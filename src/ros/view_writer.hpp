@@ -38,6 +38,7 @@ struct PendingView {
   std::uint32_t id = 0;    ///< of the recording
   double stamp = 0;
   Eigen::Isometry3d map_from_camera;
+  Twist readout_motion = Twist::Zero();  ///< see View::readout_motion
   Intrinsics intrinsics;
   SharedBytes bytes;  ///< of a compressed image, as received
   std::string extension;

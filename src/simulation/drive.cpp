@@ -27,7 +27,7 @@ Eigen::Isometry3d poseOf(const Eigen::Vector3d& position, double yaw, double pit
 
 /// A small motion from its rotation vector [rad] and translation [m].
 Eigen::Isometry3d smallMotion(const Eigen::Vector3d& rotation, const Eigen::Vector3d& translation) {
-  return alignment::motion((alignment::Twist() << rotation, translation).finished());
+  return alignment::motion((Twist() << rotation, translation).finished());
 }
 
 /// A smooth random process of mean 0 and standard deviation 1 whose values two knots apart hardly depend on each other.
@@ -181,8 +181,9 @@ Eigen::Isometry3d Drive::mapFromBaseGiven(double time) const {
                                              options_.drift * smoothNoise3(keyOf(key, 3), time, kSlow));
 }
 
-Eigen::Isometry3d Drive::mapFromCamera(int camera, int frame) const {
-  return mapFromBase(imageTime(camera, frame)) * cameras_.at(static_cast<std::size_t>(camera)).base_from_camera;
+Eigen::Isometry3d Drive::mapFromCamera(int camera, int frame, double share) const {
+  return mapFromBase(imageTime(camera, frame) + share * options_.readout) *
+         cameras_.at(static_cast<std::size_t>(camera)).base_from_camera;
 }
 
 Color Drive::gain(int camera, int frame) const {

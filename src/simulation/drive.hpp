@@ -40,13 +40,14 @@ class Drive {
 
   double duration() const;                               ///< s; poses are defined in [0, duration]
   double scanTime(int frame) const;                      ///< s, of the scan's stamp: the start of its sweep
-  double imageTime(int camera, int frame) const;         ///< s, when the image was taken
+  double imageTime(int camera, int frame) const;         ///< s, when the first row of the image was taken
   std::int64_t stamp(double time) const;                 ///< ns since 1970, of LiDAR and tf
   std::int64_t imageStamp(int camera, int frame) const;  ///< ns, with the cameras' time offset
 
-  Eigen::Isometry3d mapFromBase(double time) const;              ///< true
-  Eigen::Isometry3d mapFromBaseGiven(double time) const;         ///< what tf says
-  Eigen::Isometry3d mapFromCamera(int camera, int frame) const;  ///< true, when the image was taken
+  Eigen::Isometry3d mapFromBase(double time) const;       ///< true
+  Eigen::Isometry3d mapFromBaseGiven(double time) const;  ///< what tf says
+  /// True, when a share of the image was read: 0 at its first row, 1 after its last.
+  Eigen::Isometry3d mapFromCamera(int camera, int frame, double share = 0.5) const;
 
   /// What the camera multiplies the true colour with: auto-exposure times white balance.
   Color gain(int camera, int frame) const;

@@ -34,6 +34,7 @@ struct Options {
   double white_balance = 0.03;     ///< largest deviation of a channel's gain of a camera
   double vignetting = 0;           ///< loss of brightness in the corner of the image, 0 to 1
   int jpeg_quality = 95;
+  double readout = 0;                          ///< s from the first row of an image to the last
   std::string image_transport = "compressed";  ///< compressed (JPEG) or raw (rgb8)
 
   int beams = 48;
@@ -88,6 +89,7 @@ void visitOptions(Options_& o, F&& f) {
   f("white-balance", o.white_balance, Range{0.0, 0.5}, "largest deviation of a channel's gain of a camera from 1");
   f("vignetting", o.vignetting, Range{0.0, 0.9}, "loss of brightness in the corner of the image, 0 to 1");
   f("jpeg-quality", o.jpeg_quality, Range{1, 100}, "1 to 100");
+  f("readout", o.readout, Range{0.0, 0.1}, "s from the first row of an image to the last, of a rolling shutter");
   f("image-transport", o.image_transport, Range{}, "compressed or raw");
   f("beams", o.beams, Range{1, 256}, "of the LiDAR");
   f("azimuths", o.azimuths, Range{1, 10000}, "firings a revolution of the LiDAR");

@@ -35,16 +35,18 @@ struct Traced {
 
 class Renderer {
  public:
-  Renderer(const Scene& scene, const PixelRays& rays, const Eigen::Isometry3d& map_from_camera, double time)
-      : scene_(scene),
-        rays_(rays),
-        rotation_(map_from_camera.linear()),
-        origin_(map_from_camera.translation()),
-        time_(time) {
+  Renderer(const Scene& scene, const PixelRays& rays, const PoseWhileRead& map_from_camera, double time)
+      : scene_(scene), rays_(rays), middle_(map_from_camera(0.5)), time_(time) {
+    double reach = 0;
+    for (int v = 0; v < rays.height(); ++v) {
+      rows_.push_back(map_from_camera((v + 0.5) / rays.height()));
+      reach = std::max(reach, (rows_.back().translation() - middle_.translation()).norm());
+      turn_ = std::max(turn_, Eigen::AngleAxisd(rows_.back().linear().transpose() * middle_.linear()).angle());
+    }
     for (const Solid& solid : scene.solids()) {
-      const Eigen::Vector3d way = solid.sphereCenter() + solid.offsetAt(time) - origin_;
+      const Eigen::Vector3d way = solid.sphereCenter() + solid.offsetAt(time) - middle_.translation();
       const double distance = way.norm();
-      const double radius = solid.sphereRadius();
+      const double radius = solid.sphereRadius() + reach;
       const bool is_around = distance <= radius;
       bounds_.push_back({is_around ? Eigen::Vector3d::UnitX() : Eigen::Vector3d(way / distance),
                          is_around ? 10 : std::asin(radius / distance), std::max(0.0, distance - radius)});
@@ -61,7 +63,7 @@ class Renderer {
       const cv::Rect area = areaOf(block % columns, block / columns);
       candidates.push_back(candidatesOf(area));
       forEachPixel(area, [&](int u, int v) {
-        const Traced traced = trace(rays_.bearing(u, v), candidates.back());
+        const Traced traced = trace(v, rays_.bearing(u, v), candidates.back());
         image(v, u) = cv::Vec3f(traced.color.x(), traced.color.y(), traced.color.z());
         surfaces_(v, u) = traced.surface;
       });
@@ -97,8 +99,9 @@ class Renderer {
     forEachPixel(area, [&](int u, int v) {
       if (!rays_.bearing(u, v).isZero()) cosine = std::min(cosine, axis.dot(rays_.bearing(u, v)));
     });
-    const double half_angle = std::acos(static_cast<double>(cosine)) + 2 * static_cast<double>(rays_.pixelAngle());
-    const Eigen::Vector3d direction = rotation_ * axis.cast<double>();
+    const double half_angle =
+        std::acos(static_cast<double>(cosine)) + 2 * static_cast<double>(rays_.pixelAngle()) + turn_;
+    const Eigen::Vector3d direction = middle_.linear() * axis.cast<double>();
     std::vector<Candidate> found;
     for (std::size_t i = 0; i < bounds_.size(); ++i) {
       const Bound& bound = bounds_[i];
@@ -111,10 +114,11 @@ class Renderer {
     return found;
   }
 
-  Traced trace(const Eigen::Vector3f& bearing, const std::vector<Candidate>& candidates) const {
+  Traced trace(int row, const Eigen::Vector3f& bearing, const std::vector<Candidate>& candidates) const {
     Traced traced;
     if (bearing.isZero()) return traced;
-    const Eigen::Vector3d direction = (rotation_ * bearing.cast<double>()).normalized();
+    const Eigen::Isometry3d& pose = rows_[static_cast<std::size_t>(row)];
+    const Eigen::Vector3d direction = (pose.linear() * bearing.cast<double>()).normalized();
     LocalHit best;
     LocalHit hit;
     int solid = -1;
@@ -122,7 +126,7 @@ class Renderer {
     for (const Candidate& candidate : candidates) {
       if (candidate.nearest >= best.distance) break;
       const Solid& tested = scene_.solids()[static_cast<std::size_t>(candidate.solid)];
-      if (!tested.intersect(origin_, direction, time_, best.distance, hit)) continue;
+      if (!tested.intersect(pose.translation(), direction, time_, best.distance, hit)) continue;
       best = hit;
       solid = candidate.solid;
     }
@@ -158,7 +162,7 @@ class Renderer {
     constexpr float kGrid[4][2] = {{-0.125F, -0.375F}, {0.375F, -0.125F}, {-0.375F, 0.125F}, {0.125F, 0.375F}};
     Eigen::Vector3f sum(0, 0, 0);
     for (const auto& offset : kGrid) {
-      sum += trace(rays_.bearingBeside(u, v, offset[0], offset[1]), candidates).color;
+      sum += trace(v, rays_.bearingBeside(u, v, offset[0], offset[1]), candidates).color;
     }
     sum /= 4;
     return {sum.x(), sum.y(), sum.z()};
@@ -166,8 +170,9 @@ class Renderer {
 
   const Scene& scene_;
   const PixelRays& rays_;
-  Eigen::Matrix3d rotation_;
-  Eigen::Vector3d origin_;
+  Eigen::Isometry3d middle_;
+  std::vector<Eigen::Isometry3d> rows_;  ///< when each was read
+  double turn_ = 0;                      ///< rad, largest from the middle one
   double time_;
   std::vector<Bound> bounds_;
   cv::Mat1i surfaces_;
@@ -215,8 +220,7 @@ Eigen::Vector3f PixelRays::bearingBeside(int u, int v, float du, float dv) const
          dv * step(bearing(u, upper), bearing(u, lower), lower - upper);
 }
 
-cv::Mat3f renderImage(const Scene& scene, const PixelRays& rays, const Eigen::Isometry3d& map_from_camera,
-                      double time) {
+cv::Mat3f renderImage(const Scene& scene, const PixelRays& rays, const PoseWhileRead& map_from_camera, double time) {
   return Renderer(scene, rays, map_from_camera, time).render();
 }
 
@@ -243,7 +247,8 @@ cv::Mat3b exposeImage(const cv::Mat3f& image, const Color& gain, double vignetti
 
 cv::Mat3b takeImage(const Scene& scene, const Drive& drive, const PixelRays& rays, int camera, int frame) {
   const Options& o = drive.options();
-  const cv::Mat3f image = renderImage(scene, rays, drive.mapFromCamera(camera, frame), drive.imageTime(camera, frame));
+  const auto pose = [&](double share) { return drive.mapFromCamera(camera, frame, share); };
+  const cv::Mat3f image = renderImage(scene, rays, pose, drive.imageTime(camera, frame));
   return exposeImage(image, drive.gain(camera, frame), o.vignetting, o.pixel_noise, keyOf(o.seed, 60, camera, frame));
 }
 

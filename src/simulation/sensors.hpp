@@ -4,6 +4,7 @@
 /// What the sensors of a drive measure.
 #pragma once
 
+#include <functional>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -33,8 +34,11 @@ class PixelRays {
   std::vector<Eigen::Vector3f> bearings_;
 };
 
-/// True colours as a camera at this pose sees them at `time` [s], CV_32FC3 RGB, edges smoothed. One thread.
-cv::Mat3f renderImage(const Scene& scene, const PixelRays& rays, const Eigen::Isometry3d& map_from_camera, double time);
+/// map_from_camera when a share of the image was read: 0 at its first row, 1 after its last.
+using PoseWhileRead = std::function<Eigen::Isometry3d(double share)>;
+
+/// True colours as a camera sees them at `time` [s], CV_32FC3 RGB, edges smoothed. One thread.
+cv::Mat3f renderImage(const Scene& scene, const PixelRays& rays, const PoseWhileRead& map_from_camera, double time);
 
 /// What the camera makes of it: gain, vignetting, noise (key chooses it), clipping; CV_8UC3 RGB.
 cv::Mat3b exposeImage(const cv::Mat3f& image, const Color& gain, double vignetting, double noise, std::uint64_t key);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "alignment/motion.hpp"
 #include "base/parallel.hpp"
 #include "cloud_colorizer/base/check.hpp"
 
@@ -55,15 +56,17 @@ LineOfSight lineOfSight(const Scene& scene, const Hit& surface, const TrueView& 
   const Eigen::Vector3d eye = view.map_from_camera.translation(), way = surface.point - eye;
   if (way.squaredNorm() > max_distance * max_distance) return LineOfSight::kOutOfView;
   const Eigen::Vector3d in_camera = view.map_from_camera.linear().transpose() * way;
-  if (!view.camera->project(in_camera.cast<float>())) return LineOfSight::kOutOfView;
+  if (!view.camera.project(in_camera.cast<float>())) return LineOfSight::kOutOfView;
   const Eigen::Vector3d before = surface.point + kOffset * surface.normal;
   const bool blocked = surface.normal.dot(way) >= 0 || scene.isBlocked(before, eye, view.time);
   return blocked ? LineOfSight::kBlocked : LineOfSight::kFree;
 }
 
 TrueView trueView(const Drive& drive, int camera, int frame) {
-  return {&drive.cameras().at(static_cast<std::size_t>(camera)).camera, drive.mapFromCamera(camera, frame),
-          drive.imageTime(camera, frame)};
+  const Twist motion =
+      alignment::twistOf(drive.mapFromCamera(camera, frame, 0).inverse() * drive.mapFromCamera(camera, frame, 1));
+  return {drive.cameras().at(static_cast<std::size_t>(camera)).camera.whileMoving(motion),
+          drive.mapFromCamera(camera, frame), drive.imageTime(camera, frame)};
 }
 
 TrueView trueViewOfStamp(const Drive& drive, int camera, double image_stamp) {

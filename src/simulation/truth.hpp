@@ -19,7 +19,7 @@ namespace cloud_colorizer::simulation {
 
 /// An image as it was really taken.
 struct TrueView {
-  const Camera* camera = nullptr;
+  Camera camera;
   Eigen::Isometry3d map_from_camera = Eigen::Isometry3d::Identity();
   double time = 0;  ///< s since the start of the drive
 };

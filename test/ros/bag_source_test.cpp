@@ -213,6 +213,15 @@ TEST_F(BagTest, TransformsMayComeLateInTheBag) {
   EXPECT_EQ(play({scratch_ / "late.bag"}, scratch_ / "b", 0).cloud.count(Outcome::kKept), 3U);
 }
 
+TEST_F(BagTest, WhatComesOnceOnTfIsFixed) {
+  testing_ros::SmallDrive drive;
+  drive.num_frames = 20;
+  drive.fixed_topic = "/tf";
+  drive.write(scratch_ / "once.bag");
+  const CollectorStats stats = play({scratch_ / "once.bag"}, scratch_ / "a", 2);
+  for (const StreamStats& camera : stats.cameras) EXPECT_EQ(camera.count(Outcome::kKept), drive.num_frames);
+}
+
 TEST_F(BagTest, LoopedRecordingIsReadToItsEnd) {
   testing_ros::SmallDrive drive;
   drive.loops = 2;

@@ -534,6 +534,20 @@ TEST_F(CollectorTest, TimeOffsetMovesThePose) {
   EXPECT_NEAR(recording.views()[0].stamp, 10.75, 1e-6);
 }
 
+TEST_F(CollectorTest, ARollingShutterHasThePoseOfItsMiddleRowAndItsMotion) {
+  params_.cameras[0].readout_time = 0.2;
+  drive(10, 11);
+  addInfo();
+  addImage(10.5);
+  addImage(10.9);  // its last row was read after the last pose
+  const Recording recording = finished();
+  ASSERT_EQ(recording.views().size(), 1U);
+  EXPECT_EQ(recording.views()[0].stamp, 10.5);
+  EXPECT_NEAR(recording.views()[0].map_from_camera.translation().x(), 10.6, 1e-6);
+  EXPECT_NEAR((recording.views()[0].readout_motion - (Twist() << 0, 0, 0, 0.2, 0, 0).finished()).norm(), 0, 1e-6);
+  EXPECT_EQ(imageCount(Outcome::kNoTransform), 1U);
+}
+
 TEST_F(CollectorTest, TimeOffsetBeforeTheBeginOfTimeIsRefused) {
   params_.cameras[0].time_offset = -1;
   drive(0.1, 1);

@@ -26,12 +26,13 @@ struct SmallDrive {
   double tf_delay = 0;        ///< s between a transform's stamp and its arrival
   int loops = 1;              ///< how often it is driven with the same stamps
   int width = 64, height = 48;
+  std::string fixed_topic = "/tf_static";
   bool noisy = false;  ///< raw images of noise, which take long as PNG
 
   void write(const std::string& file) const {
     rosbag::Bag bag(file, rosbag::bagmode::Write);
     const ros::Time start(first_stamp);
-    bag.write("/tf_static", start, fixedFrames());
+    bag.write(fixed_topic, start, fixedFrames());
     for (int loop = 0; loop < loops; ++loop) {
       for (std::size_t i = 0; i < num_frames; ++i) writeFrame(bag, i, loop);
     }

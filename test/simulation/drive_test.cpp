@@ -305,7 +305,8 @@ TEST(Render, PixelIsTheColorWhereItsRayEnds) {
   const Scene scene = makeStreet(coarse(o));
   const PixelRays rays(drive.cameras()[0].camera);
   const Eigen::Isometry3d pose = drive.mapFromCamera(0, 1);
-  const cv::Mat3f image = renderImage(scene, rays, pose, drive.imageTime(0, 1));
+  const cv::Mat3f image = renderImage(
+      scene, rays, [&](double) { return pose; }, drive.imageTime(0, 1));
   double error = 0;
   for (int v = 0; v < o.height; ++v) {
     for (int u = 0; u < o.width; ++u) {
@@ -399,7 +400,7 @@ class TwoWalls : public ::testing::Test {
     return k;
   }
   TrueView viewAt(double x, double y) const {
-    TrueView view{&camera_, Eigen::Isometry3d::Identity(), 0};
+    TrueView view{camera_, Eigen::Isometry3d::Identity(), 0};
     view.map_from_camera.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
     view.map_from_camera.translation() = Eigen::Vector3d(x, y, 0);
     return view;

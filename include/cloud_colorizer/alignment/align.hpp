@@ -46,6 +46,10 @@ struct AlignmentParams {
 struct AlignmentInput {
   std::vector<Camera> cameras;
   std::vector<View> views;
+  Camera cameraOf(std::size_t view) const {
+    return cameras[views[view].camera].whileMoving(views[view].readout_motion);
+  }
+
   ImageSource images;  ///< CV_8U, RGB or grey; from several threads
   ImageSource masks;   ///< CV_8UC1, 0 = do not use; null where a view has none; may be empty
   Points points;

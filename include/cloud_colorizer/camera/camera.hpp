@@ -21,6 +21,9 @@ enum class DistortionModel { kPlumbBob, kRationalPolynomial, kEquidistant, kEqui
 std::string toString(DistortionModel model);
 DistortionModel distortionModelFromString(const std::string& name);
 
+/// A small motion of a camera in its own frame: rotation [rad], then translation [m].
+using Twist = Eigen::Matrix<double, 6, 1>;
+
 /// Plain numbers of one camera. `distortion`: plumb_bob k1 k2 p1 p2 k3; rational_polynomial k1 k2 p1 p2 k3 k4 k5 k6;
 /// equidistant k1 k2 k3 k4. Missing trailing coefficients are zero.
 struct Intrinsics {
@@ -43,6 +46,11 @@ class Camera {
   /// finite, or there are more coefficients than the model has.
   explicit Camera(const Intrinsics& intrinsics);
 
+  /// The same camera with a rolling shutter, which moved so from the first row of its image to the last. The frame of
+  /// the points that it projects is the one of the middle row; each is projected as of the moment when the row was read
+  /// in which it appears. Zeros: all rows were read at once.
+  Camera whileMoving(const Twist& readout_motion) const;
+
   const Intrinsics& intrinsics() const { return intrinsics_; }
   double pixelAngle() const { return 1 / std::sqrt(intrinsics_.fx * intrinsics_.fy); }  ///< rad, in the middle
   double maxAngle() const { return max_angle_; }                                        ///< rad, from the optical axis
@@ -60,7 +68,11 @@ class Camera {
   std::optional<Eigen::Vector2f> projectUnbounded(const Eigen::Vector3f& point) const;
 
   /// Cheap and conservative: false only when no point within `margin` [m] of `point` is in the image.
-  bool mayShow(const Eigen::Vector3f& point, float margin) const;
+  bool mayShow(const Eigen::Vector3f& point, float margin) const {
+    return isRolling() ? mayShowAtOnce(point, margin + reach(point.norm() + margin)) : mayShowAtOnce(point, margin);
+  }
+  /// m, by which the motion while the image is read moves what is at a distance [m] at most.
+  float reach(float distance) const { return half_turn_ * distance + half_way_; }
 
   template <class Scalar>
   struct LinearizedT {
@@ -74,7 +86,8 @@ class Camera {
   /// As projectUnbounded, in float and with the derivative.
   std::optional<LinearizedT<float>> linearizeUnbounded(const Eigen::Vector3f& point) const;
 
-  /// Unit bearing of a pixel (the inverse of project, to 1e-9 rad); empty where the model has no inverse.
+  /// Unit bearing of a pixel (the inverse of project, to 1e-9 rad) in the frame of the moment when its row was read;
+  /// empty where the model has no inverse.
   std::optional<Eigen::Vector3d> bearing(const Eigen::Vector2d& pixel) const;
 
  private:
@@ -104,11 +117,15 @@ class Camera {
   template <class Scalar>
   std::optional<Vector2<Scalar>> map(const Numbers<Scalar>& n, const Vector3<Scalar>& point) const;
   template <class Scalar>
+  Vector3<Scalar> whenRead(const Numbers<Scalar>& n, const Vector3<Scalar>& point) const;
+  template <class Scalar>
   std::optional<LinearizedT<Scalar>> mapLinear(const Numbers<Scalar>& n, const Vector3<Scalar>& point) const;
   template <class Scalar>
   static LinearizedT<Scalar> linearizePinhole(const Numbers<Scalar>& n, const Vector3<Scalar>& point);
   template <class Scalar>
   static LinearizedT<Scalar> linearizeEquidistant(const Numbers<Scalar>& n, const Vector3<Scalar>& point);
+  bool isRolling() const { return half_turn_ > 0 || half_way_ > 0; }
+  bool mayShowAtOnce(const Eigen::Vector3f& point, float margin) const;
   bool contains(float u, float v) const { return u >= -0.5F && v >= -0.5F && u < right_ && v < bottom_; }
   double growth(double angle) const;
   double findMaxAngle() const;
@@ -125,9 +142,11 @@ class Camera {
   Eigen::Vector4f side_ = Eigen::Vector4f::Zero();         ///< left, right, top, bottom as x/z, x/z, y/z, y/z
   Eigen::Vector4f side_margin_ = Eigen::Vector4f::Ones();  ///< sqrt(1 + side^2)
   float cone_cos_ = -1, cone_sin_ = 0;
+  Twist motion_ = Twist::Zero();        ///< from the first row to the last
+  float half_turn_ = 0, half_way_ = 0;  ///< rad and m, of half of it
 };
 
-inline bool Camera::mayShow(const Eigen::Vector3f& point, float margin) const {
+inline bool Camera::mayShowAtOnce(const Eigen::Vector3f& point, float margin) const {
   const float x = point.x(), y = point.y(), z = point.z();
   if (equidistant_) {
     // Distance to the cone's surface; exact on its side, and an underestimate behind its apex.
@@ -180,7 +199,7 @@ std::optional<Camera::Vector2<Scalar>> Camera::map(const Numbers<Scalar>& n, con
 }
 
 inline std::optional<Eigen::Vector2f> Camera::projectUnbounded(const Eigen::Vector3f& point) const {
-  return map(fast_, point);
+  return isRolling() ? map(fast_, whenRead(fast_, point)) : map(fast_, point);
 }
 
 }  // namespace cloud_colorizer

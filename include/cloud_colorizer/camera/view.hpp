@@ -14,13 +14,17 @@
 #include <string>
 #include <vector>
 
+#include "cloud_colorizer/camera/camera.hpp"
+
 namespace cloud_colorizer {
 
 struct View {
   std::uint32_t camera = 0;  ///< index into the recording's cameras
   double stamp = 0;          ///< s, of the image, after the camera's time offset
   Eigen::Isometry3d map_from_camera = Eigen::Isometry3d::Identity();  ///< optical frame to map, relative to the origin
-  std::string image;                                                  ///< file, relative to the recording
+  Twist readout_motion = Twist::Zero();  ///< of a rolling shutter, from the first row to the last, in the frame of the
+                                         ///< camera; map_from_camera is then that of the middle row
+  std::string image;                     ///< file, relative to the recording
   std::string mask;  ///< likewise: black where this view must not colour; empty: none but its camera's
 };
 

@@ -68,10 +68,11 @@ class Recorder {
 
   /// The encoded image is written as it is, then the view. `extension` is "jpg", "png", "ppm", "pgm", ...
   /// map_from_camera is in the map frame, not yet relative to the origin. `mask` is the view's own beside its camera's,
-  /// 0 = do not use; empty: none. Returns the view's index.
+  /// 0 = do not use; empty: none. With a `readout_motion`, map_from_camera is the pose of the middle row; see
+  /// View::readout_motion. Returns the view's index.
   std::size_t addView(std::uint32_t camera, double stamp, const Eigen::Isometry3d& map_from_camera,
                       const std::vector<std::uint8_t>& encoded_image, const std::string& extension,
-                      const cv::Mat1b& mask = {});
+                      const cv::Mat1b& mask = {}, const Twist& readout_motion = Twist::Zero());
 
   /// Keeps which ranges a sensor measured at a moment, if it moved by a quarter of what makes a keyframe since its last
   /// scan. Positions in the sensor's frame; `sensor` is any name that tells sensors apart.

@@ -5,6 +5,7 @@
 ///   recording.yaml   format version, map frame, origin, voxel and tile size, fields of a point
 ///   cameras.yaml     intrinsics and mask of every camera
 ///   views.csv        one line a view: camera, stamp, pose, image file
+///   readouts.csv     one line a view of a rolling shutter: its number, and how its camera moved while it was read
 ///   images/camera_i/ the images as received, and NUMBER.mask.png beside those that have a mask of their own
 ///   scans.csv        one line a scan: stamp, pose, file of ranges
 ///   scans/           which ranges the sensor measured at that moment, as 16 bit PNG

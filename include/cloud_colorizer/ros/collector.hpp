@@ -34,7 +34,8 @@ struct CameraParams {
   bool masks = false;      ///< every image gets a mask of its own by addMask(); without it, it is not recorded
   /// camera_info: as that says; equirectangular: of all directions, twice as wide as high; there is no camera_info.
   std::string model = "camera_info";
-  bool rectified = false;  ///< the images are rectified: P counts, without distortion
+  bool rectified = false;   ///< the images are rectified: P counts, without distortion
+  double readout_time = 0;  ///< s from the first row of an image, at its stamp, to the last; 0: all at once
   /// Of images with 16 bits a channel: how many the camera fills; 0: as few of 10, 12, 14 and 16 as hold its first
   /// image.
   int bits = 0;

@@ -55,6 +55,8 @@ void visitCollectorParams(CollectorParamsT& p, F&& f) {
     f((prefix + "model").c_str(), camera.model,
       "camera_info, or equirectangular: images of all directions, without a camera_info");
     f((prefix + "rectified").c_str(), camera.rectified, "true for rectified images: P is used, without distortion");
+    f((prefix + "readout_time").c_str(), camera.readout_time,
+      "s from the first row of an image, at its stamp, to its last: of a rolling shutter");
     f((prefix + "bits").c_str(), camera.bits,
       "that the camera fills of 16 bits a channel; 0: as the first image tells");
   }

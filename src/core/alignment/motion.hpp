@@ -11,9 +11,6 @@
 
 namespace cloud_colorizer::alignment {
 
-/// A small motion in a camera's frame: rotation [rad], then translation [m].
-using Twist = Eigen::Matrix<double, 6, 1>;
-
 /// p -> R p + t.
 Eigen::Isometry3d motion(const Twist& twist);
 /// The inverse of motion().

@@ -36,7 +36,7 @@ std::string refusal(double sigmas, const Evidence& evidence) {
 
 // Median shift of a view's points between two corrections, in pixels.
 double Aligner::pixelsOf(std::size_t view, const PoseState& from) const {
-  const Camera& camera = input_.cameras[input_.views[view].camera];
+  const Camera camera = input_.cameraOf(view);
   const Eigen::Isometry3d a = correctedPose(input_.views[view], from.views[view]).inverse();
   const Eigen::Isometry3d b = correctedPose(input_.views[view], state_.views[view]).inverse();
   std::vector<float> shifts;

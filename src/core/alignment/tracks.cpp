@@ -103,7 +103,8 @@ std::vector<Sight> findSights(const AlignmentInput& input, const std::vector<Poi
   std::vector<Sight> sights;
   const auto depth = input.depth(view, map_from_camera);
   if (!depth || depth->depth.empty()) return sights;
-  const Finder finder(input, input.cameras[input.views[view].camera], *depth, map_from_camera);
+  const Camera camera = input.cameraOf(view);
+  const Finder finder(input, camera, *depth, map_from_camera);
   for (const PointRun& run : runs) finder.find(run, sights);
   keepByPriority(sights, max_points);
   return sights;

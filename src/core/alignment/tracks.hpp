@@ -51,7 +51,7 @@ template <class Visit>
 void forEachSight(const AlignmentInput& input, const Tracks& tracks, const PoseState& state, std::size_t view,
                   double margin, Visit&& visit, std::size_t stride = 1) {
   const Eigen::Isometry3d camera_from_map = correctedPose(input.views[view], state.views[view]).inverse();
-  const Camera& camera = input.cameras[input.views[view].camera];
+  const Camera camera = input.cameraOf(view);
   for (std::size_t k = tracks.offsets[view]; k < tracks.offsets[view + 1]; k += stride) {
     if (tracks.sights[k].edge_distance < margin) continue;
     const Eigen::Vector3d local = camera_from_map * input.points.col(tracks.sights[k].point).cast<double>();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_colorizer/camera/camera.hpp"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 
@@ -156,14 +157,43 @@ std::optional<Camera::LinearizedT<Scalar>> Camera::mapLinear(const Numbers<Scala
   return linearizePinhole(n, point);
 }
 
+Camera Camera::whileMoving(const Twist& readout_motion) const {
+  using Invalid = std::invalid_argument;
+  require<Invalid>(readout_motion.allFinite(), "the motion of a camera while its image is read is not finite");
+  Camera moving = *this;
+  moving.motion_ = readout_motion;
+  moving.half_turn_ = static_cast<float>(readout_motion.head<3>().norm() / 2);
+  moving.half_way_ = static_cast<float>(readout_motion.tail<3>().norm() / 2);
+  return moving;
+}
+
+/// The point in the frame of the moment when its row was read: where it appears tells the row, which tells where it
+/// appears. A round leaves a share of the error, by how many rows the image of the point moves while one is read.
+template <class Scalar>
+Camera::Vector3<Scalar> Camera::whenRead(const Numbers<Scalar>& n, const Vector3<Scalar>& point) const {
+  constexpr int kRounds = 3;
+  const auto height = static_cast<Scalar>(intrinsics_.height);
+  const Vector3<Scalar> turn = motion_.head<3>().cast<Scalar>();
+  const Vector3<Scalar> way = motion_.tail<3>().cast<Scalar>() + turn.cross(point);
+  Vector3<Scalar> moved = point;
+  for (int round = 0; round < kRounds; ++round) {
+    const auto pixel = map(n, moved);
+    if (!pixel) break;
+    const Scalar row = (pixel->y() + Scalar(0.5)) / height - Scalar(0.5);
+    moved = point - std::min(Scalar(0.5), std::max(Scalar(-0.5), row)) * way;
+  }
+  return moved;
+}
+template Eigen::Vector3f Camera::whenRead(const Numbers<float>&, const Eigen::Vector3f&) const;
+
 std::optional<Camera::Linearized> Camera::linearize(const Eigen::Vector3d& point) const {
-  auto out = mapLinear(exact_, point);
+  auto out = mapLinear(exact_, isRolling() ? whenRead(exact_, point) : point);
   if (!out || !contains(static_cast<float>(out->pixel.x()), static_cast<float>(out->pixel.y()))) return std::nullopt;
   return out;
 }
 
 std::optional<Camera::LinearizedT<float>> Camera::linearizeUnbounded(const Eigen::Vector3f& point) const {
-  return mapLinear(fast_, point);
+  return mapLinear(fast_, isRolling() ? whenRead(fast_, point) : point);
 }
 
 /// Angle whose distorted radius (without tangential terms) is the given one; maxAngle() when none is.

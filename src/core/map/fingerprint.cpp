@@ -112,7 +112,9 @@ std::string movingKey(const Recording& recording, const Params& params) {
 
 std::string surfelsKey(const Recording& recording, const Params& params) {
   Hash poses;
-  for (const View& view : recording.views()) poses.add(view.map_from_camera.matrix().data(), 16).addValue(view.stamp);
+  for (const View& view : recording.views()) {
+    poses.add(view.map_from_camera.matrix().data(), 16).addValue(view.stamp).add(view.readout_motion.data(), 6);
+  }
   return line("version of the stages", kStagesVersion) + line("poses of the recording", poses.value()) +
          paramsText(params, {"clear_radius"}, false) + movingKey(recording, params);
 }

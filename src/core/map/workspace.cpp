@@ -61,11 +61,13 @@ Workspace::Workspace(const Recording& recording, const Params& params)
             return image;
           },
           [](const DepthImage& image) { return bytesOf(image); }) {
-  for (std::size_t i = 0; i < recording_.cameras().size(); ++i) {
-    cameras_.emplace_back(recording_.cameras()[i].intrinsics);
-  }
+  std::vector<Camera> cameras;
+  for (const RecordedCamera& camera : recording_.cameras()) cameras.emplace_back(camera.intrinsics);
   std::vector<CorrectedView> as_recorded;
-  for (const View& view : recording_.views()) as_recorded.push_back({view.map_from_camera, {}, 1});
+  for (const View& view : recording_.views()) {
+    cameras_.push_back(cameras[view.camera].whileMoving(view.readout_motion));
+    as_recorded.push_back({view.map_from_camera, {}, 1});
+  }
   correctViews(std::move(as_recorded));
   leaveOut({});
 }

@@ -29,7 +29,7 @@ class Workspace {
   const Recording& recording() const { return recording_; }
   const Params& params() const { return params_; }
   const DerivedFiles& files() const { return files_; }
-  const Camera& cameraOf(std::size_t view) const { return cameras_[recording_.views()[view].camera]; }
+  const Camera& cameraOf(std::size_t view) const { return cameras_[view]; }
   const MemoryPlan& memory() const { return memory_; }
 
   std::shared_ptr<const Surface> surface(std::size_t tile) { return surfaces_.get(tile); }
@@ -72,7 +72,7 @@ class Workspace {
   Params params_;
   MemoryPlan memory_;
   DerivedFiles files_;
-  std::vector<Camera> cameras_;
+  std::vector<Camera> cameras_;  ///< of every view
   ViewList damaged_views_;
   std::vector<std::size_t> usable_views_;
   std::vector<CorrectedView> corrections_;  ///< one a view

@@ -69,6 +69,7 @@ struct Recorder::Impl {
   ScanLog scans;
   std::vector<View> views;
   TableWriter views_table;
+  std::optional<TableWriter> readouts_table;  ///< from the first view of a rolling shutter on
   std::optional<CloudLog> cloud_log;
   std::multiset<std::pair<std::uint32_t, std::string>>
       earlier_views;                ///< camera and stamp of what an earlier program recorded
@@ -82,6 +83,7 @@ struct Recorder::Impl {
   void fixOrigin(const Eigen::Vector3d& position);
   void fixFields(const std::vector<Field>& fields);
   void openTiles(const std::vector<Tile>& saved);
+  void writeReadout(const View& next_view);
   void saveTiles();
   void flush();
   void flushWhenDue();
@@ -97,6 +99,7 @@ Recorder::Impl::Impl(const std::string& dir, const std::string& map_frame, const
       views_table(TableWriter::ofViews(dir)) {
   resume(map_frame);
   cloud_log.emplace(directory, info.voxel_size == 0);
+  if (hasReadouts(directory)) readouts_table = TableWriter::ofReadouts(directory);
 }
 
 void Recorder::Impl::resume(const std::string& map_frame) {
@@ -117,6 +120,13 @@ void Recorder::Impl::resume(const std::string& map_frame) {
 void Recorder::Impl::openTiles(const std::vector<Tile>& saved) {
   tiles.emplace(directory, info, static_cast<std::size_t>(params.max_open_tiles), saved,
                 [this](const TileIndex& tile, std::uint64_t num_points) { cloud_log->noteGrowth(tile, num_points); });
+}
+
+/// Before the view itself, which is known when its line is there. From the first one on all views have theirs: a killed
+/// program may have left one without its view.
+void Recorder::Impl::writeReadout(const View& next_view) {
+  if (!readouts_table) readouts_table = TableWriter::ofReadouts(directory);
+  readouts_table->append(readoutLine(views.size(), next_view.readout_motion));
 }
 
 /// Floats are exact to half a millimetre within 5 km; farther from the map's origin the recording gets its own.
@@ -215,7 +225,7 @@ bool Recorder::recognizeView(std::uint32_t camera, double stamp) {
 
 std::size_t Recorder::addView(std::uint32_t camera, double stamp, const Eigen::Isometry3d& map_from_camera,
                               const std::vector<std::uint8_t>& encoded_image, const std::string& extension,
-                              const cv::Mat1b& mask) {
+                              const cv::Mat1b& mask, const Twist& readout_motion) {
   auto& impl = *impl_;
   require<std::invalid_argument>(camera < impl.cameras.cameras().size(), "there is no camera ", camera,
                                  " for this view");
@@ -224,6 +234,7 @@ std::size_t Recorder::addView(std::uint32_t camera, double stamp, const Eigen::I
                                  "\" must be a word such as jpg or png");
   require<std::invalid_argument>(!encoded_image.empty(), "the image of a view of ", impl.cameras.cameras()[camera].name,
                                  " has no bytes");
+  require<std::invalid_argument>(readout_motion.allFinite(), "the motion while a view is read is not finite");
   requirePose(map_from_camera, "the pose of a view");
   impl.fixOrigin(map_from_camera.translation());
   View view;
@@ -231,6 +242,7 @@ std::size_t Recorder::addView(std::uint32_t camera, double stamp, const Eigen::I
   view.stamp = stamp;
   view.map_from_camera = map_from_camera;
   view.map_from_camera.translation() -= *impl.info.origin;
+  view.readout_motion = readout_motion;
   const RecordedCamera& recorded = impl.cameras.cameras()[camera];
   view.image = "images/" + recorded.name + '/' + sixDigits(impl.views.size()) + '.' + extension;
   std::filesystem::remove(impl.directory + '/' + maskFileOf(view.image));  // of a program that was killed
@@ -239,6 +251,7 @@ std::size_t Recorder::addView(std::uint32_t camera, double stamp, const Eigen::I
     writeMask(impl.directory + '/' + view.mask, mask, recorded.intrinsics, "a view of " + recorded.name);
   }
   writeFileAtomically(impl.directory + '/' + view.image, encoded_image.data(), encoded_image.size());
+  if (impl.readouts_table || !readout_motion.isZero(0)) impl.writeReadout(view);
   impl.views_table.append(viewLine(view));
   impl.views.push_back(std::move(view));
   impl.flushWhenDue();

@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kViewsHeader = "camera,stamp,x,y,z,qx,qy,qz,qw,image\n";
+constexpr const char* kReadoutsHeader = "view,rx,ry,rz,tx,ty,tz\n";
 constexpr const char* kScansHeader = "stamp,x,y,z,qx,qy,qz,qw,ranges\n";
 constexpr const char* kCloudsHeader = "stamp,sensor\n";
 
@@ -28,13 +29,18 @@ std::string viewsPath(const std::string& directory) {
 std::string scansPath(const std::string& directory) {
   return directory + "/scans.csv";
 }
+std::string readoutsPath(const std::string& directory) {
+  return directory + "/readouts.csv";
+}
 std::string cloudsPath(const std::string& directory) {
   return directory + "/clouds.csv";
 }
 
-/// `count` numbers and then the name of a file.
-std::vector<double> parseNumbers(const std::vector<std::string>& parts, std::size_t count, const std::string& where) {
-  require(parts.size() == count + 1, where, " is damaged: it has ", parts.size(), " values instead of ", count + 1);
+/// `count` numbers, and after them `texts` other values.
+std::vector<double> parseNumbers(const std::vector<std::string>& parts, std::size_t count, std::size_t texts,
+                                 const std::string& where) {
+  require(parts.size() == count + texts, where, " is damaged: it has ", parts.size(), " values instead of ",
+          count + texts);
   std::vector<double> values(count);
   for (std::size_t i = 0; i < count; ++i) {
     require(parseDouble(parts[i], values[i]) && std::isfinite(values[i]), where, " is damaged: \"", parts[i],
@@ -63,7 +69,7 @@ std::string poseText(const Eigen::Isometry3d& pose) {
 
 View parseView(const std::string& line, const std::string& where) {
   const auto parts = splitAt(line, ',');
-  const std::vector<double> values = parseNumbers(parts, 9, where);
+  const std::vector<double> values = parseNumbers(parts, 9, 1, where);
   require(values[0] >= 0 && values[0] < 1e6, where, " is damaged: there is no camera ", parts[0]);
   View view;
   view.camera = static_cast<std::uint32_t>(values[0]);
@@ -75,8 +81,19 @@ View parseView(const std::string& line, const std::string& where) {
 
 Scan parseScan(const std::string& line, const std::string& where) {
   const auto parts = splitAt(line, ',');
-  const std::vector<double> values = parseNumbers(parts, 8, where);
+  const std::vector<double> values = parseNumbers(parts, 8, 1, where);
   return {values[0], parsePose(values.data() + 1, where), parts.back()};
+}
+
+/// How the camera of a view moved while its image was read.
+struct Readout {
+  double view = 0;
+  Twist motion = Twist::Zero();
+};
+
+Readout parseReadout(const std::string& line, const std::string& where) {
+  const std::vector<double> values = parseNumbers(splitAt(line, ','), 7, 0, where);
+  return {values[0], Eigen::Map<const Twist>(values.data() + 1)};
 }
 
 std::string wholeLine(const std::string& line, const std::string&) {
@@ -125,7 +142,16 @@ Table<View> readViews(const std::string& directory) {
     const std::string mask = maskFileOf(view.image);
     if (masks.count(mask) != 0) view.mask = mask;
   }
+  // Written before their views: one may be of a view that a killed program could not write, and another came later.
+  for (const Readout& readout : readTable(readoutsPath(directory), kReadoutsHeader, parseReadout).rows) {
+    if (!(readout.view >= 0 && readout.view < static_cast<double>(table.rows.size()))) continue;
+    table.rows[static_cast<std::size_t>(readout.view)].readout_motion = readout.motion;
+  }
   return table;
+}
+
+bool hasReadouts(const std::string& directory) {
+  return fs::exists(readoutsPath(directory));
 }
 
 Table<Scan> readScans(const std::string& directory) {
@@ -147,6 +173,17 @@ std::string scanLine(const Scan& scan) {
 
 TableWriter TableWriter::ofViews(const std::string& directory) {
   return {viewsPath(directory), kViewsHeader, readViews(directory).num_bytes};
+}
+
+std::string readoutLine(std::size_t view, const Twist& motion) {
+  std::string text = std::to_string(view);
+  for (const double value : motion) text += ',' + formatDouble(value);
+  return text + '\n';
+}
+
+TableWriter TableWriter::ofReadouts(const std::string& directory) {
+  const auto table = readTable(readoutsPath(directory), kReadoutsHeader, parseReadout);
+  return {readoutsPath(directory), kReadoutsHeader, table.num_bytes};
 }
 
 TableWriter TableWriter::ofScans(const std::string& directory) {

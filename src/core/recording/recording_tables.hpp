@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The tables of a recording: views.csv, scans.csv and clouds.csv.
+/// The tables of a recording: views.csv, readouts.csv, scans.csv and clouds.csv.
 #pragma once
 
 #include <cstdint>
@@ -20,16 +20,19 @@ struct Table {
   std::uint64_t num_bytes = 0;  ///< of whole lines
 };
 Table<View> readViews(const std::string& directory);
+bool hasReadouts(const std::string& directory);
 Table<Scan> readScans(const std::string& directory);
 Table<std::string> readClouds(const std::string& directory);  ///< lines
 
 std::string viewLine(const View& view);
+std::string readoutLine(std::size_t view, const Twist& motion);
 std::string scanLine(const Scan& scan);
 
 /// Appends lines to a table; starts it with its header, or cuts off a line that a crash left torn.
 class TableWriter {
  public:
   static TableWriter ofViews(const std::string& directory);
+  static TableWriter ofReadouts(const std::string& directory);
   static TableWriter ofScans(const std::string& directory);
   static TableWriter ofClouds(const std::string& directory);
   /// All of the lines, or none when it throws.

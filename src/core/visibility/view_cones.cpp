@@ -8,7 +8,10 @@
 namespace cloud_colorizer {
 
 ViewCone::ViewCone(const Camera& camera, const Eigen::Isometry3d& map_from_camera, double max_distance)
-    : camera_from_map_(map_from_camera.inverse()), max_distance_(max_distance) {
+    : camera_from_map_(map_from_camera.inverse()),
+      max_distance_(max_distance),
+      half_way_(camera.reach(0)),
+      half_turn_(camera.reach(1) - camera.reach(0)) {
   const auto& k = camera.intrinsics();
   for (const double u : {-0.5, k.width - 0.5}) {
     for (const double v : {-0.5, k.height - 0.5}) {
@@ -19,9 +22,10 @@ ViewCone::ViewCone(const Camera& camera, const Eigen::Isometry3d& map_from_camer
 }
 
 bool ViewCone::mayShow(const Eigen::AlignedBox3f& box) const {
-  const double radius = 0.5 * box.diagonal().cast<double>().norm();
   const Eigen::Vector3d center = camera_from_map_ * box.center().cast<double>();
   const double distance = center.norm();
+  const double half_box = 0.5 * box.diagonal().cast<double>().norm();
+  const double radius = half_box + half_turn_ * (distance + half_box) + half_way_;
   if (distance <= radius) return true;
   if (distance - radius > max_distance_) return false;
   const double angle = std::acos(std::clamp(center.z() / distance, -1.0, 1.0));

@@ -22,6 +22,7 @@ class ViewCone {
   Eigen::Isometry3d camera_from_map_;
   double angle_ = 0;  ///< rad, from the axis
   double max_distance_;
+  double half_way_, half_turn_;  ///< m and rad, of the motion of a rolling shutter, see Camera::reach()
 };
 
 }  // namespace cloud_colorizer

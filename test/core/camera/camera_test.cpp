@@ -176,6 +176,33 @@ TEST(Camera, MayShowKeepsADiscThatReachesIntoTheImage) {
       const Eigen::Vector3f offset = 0.1F * Eigen::Vector3f(uniform(random), uniform(random), uniform(random));
       const bool shows = camera.project(point + offset).has_value();
       EXPECT_TRUE(!shows || camera.mayShow(point, offset.norm() * 1.001F));
+      const Camera rolling = camera.whileMoving((Twist() << 0.02, -0.01, 0.03, 0.2, 0.1, -0.3).finished());
+      const bool is_shown = rolling.project(point + offset).has_value();
+      EXPECT_TRUE(!is_shown || rolling.mayShow(point, offset.norm() * 1.001F));
+    }
+  }
+}
+
+/// The point in the frame of each row's moment: where that shows it in the row itself, it appears.
+TEST(Camera, ARollingShutterShowsAPointWhereItsRowSeesIt) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> turn(0, 0.006), way(0, 0.1);
+  for (const auto& intrinsics : someCameras()) {
+    const Camera still(intrinsics);
+    for (int i = 0; i < 300; ++i) {
+      Twist motion;
+      for (int k = 0; k < 6; ++k) motion[k] = k < 3 ? turn(random) : way(random);
+      const Camera rolling = still.whileMoving(motion);
+      const Eigen::Vector3d point = randomPoint(random) + Eigen::Vector3d(0, 0, 2);
+      const auto seen = rolling.linearize(point);
+      if (!seen) continue;
+      const double share = (seen->pixel.y() + 0.5) / intrinsics.height - 0.5;
+      const Eigen::Vector3d rotation = share * motion.head<3>();
+      const Eigen::AngleAxisd turned(rotation.norm(), rotation.normalized());
+      const Eigen::Vector3d at_row = turned.inverse() * (point - share * motion.tail<3>());
+      EXPECT_LT((oracle(intrinsics, at_row) - seen->pixel).norm(), 0.1);
+      const auto fast = rolling.project(point.cast<float>());
+      EXPECT_TRUE(fast && (fast->cast<double>() - seen->pixel).norm() < 0.01);
     }
   }
 }

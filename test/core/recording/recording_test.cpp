@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
@@ -287,6 +288,31 @@ TEST(Recorder, AViewMayHaveAMaskOfItsOwn) {
   EXPECT_EQ(cv::countNonZero(both.readPixels(0).mask), 46);
   EXPECT_EQ(cv::norm(both.readPixels(1).mask, of_camera), 0);
   EXPECT_ERROR(recorder.addView(camera, 2, Isometry3d::Identity(), encoded("png"), "png", cv::Mat1b(5, 8)), "8 x 5");
+}
+
+TEST(Recorder, ReadoutsBelongToTheirViews) {
+  ScratchDirectory scratch;
+  const Twist motion = (Twist() << 0.01, 1.0 / 3, 0, -0.2, 0, 1e-7).finished();
+  const auto add = [&](const std::vector<Twist>& motions) {
+    Recorder recorder(scratch.path(), "map", {});
+    const auto camera = recorder.setCamera("camera_0", smallCamera());
+    for (const Twist& readout : motions) {
+      recorder.addView(camera, 0, Isometry3d::Identity(), encoded("png"), "png", {}, readout);
+    }
+    return recorder.snapshot().views().back().readout_motion;
+  };
+  add({Twist::Zero()});
+  EXPECT_FALSE(std::filesystem::exists(scratch / "readouts.csv"));
+  EXPECT_EQ(add({motion}), motion);
+  // A program that was killed left the readout of a view that it could not write.
+  std::ofstream(scratch / "readouts.csv", std::ios::app) << "2,1,1,1,1,1,1\n";
+  add({Twist::Zero()});
+  const Recording recording = Recording::open(scratch.path());
+  ASSERT_EQ(recording.views().size(), 3U);
+  EXPECT_TRUE(recording.views()[0].readout_motion.isZero(0));
+  EXPECT_EQ(recording.views()[1].readout_motion, motion);
+  EXPECT_TRUE(recording.views()[2].readout_motion.isZero(0));
+  EXPECT_ERROR(add({Twist::Constant(NAN)}), "finite");
 }
 
 TEST(Recorder, PosesAndStampsKeepFullPrecision) {
