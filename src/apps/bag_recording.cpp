@@ -10,6 +10,8 @@
 namespace cloud_colorizer {
 namespace {
 
+constexpr double kLatePoses = 10;  // s
+
 CollectorParams collectorParams(const CommandLine& line, const Rig& rig) {
   CollectorParams params;
   params.record = line.params.record;
@@ -53,7 +55,8 @@ void recordBags(const CommandLine& line, const std::vector<std::string>& bags, c
   Recorder recorder(directory, params.map_frame, params.record);
   events.log = callbacks.log;
   Collector collector(recorder, params, std::move(events));
-  source.play(rig, params.tf_wait, collector, callbacks);
+  // A bag can be read ahead: poses that were published some seconds after their moment cost nothing here.
+  source.play(rig, params.tf_wait + kLatePoses, collector, callbacks);
   recorder.flush();
   const CollectorStats& stats = collector.stats();
   callbacks.log(LogLevel::kInfo, stats.describe());

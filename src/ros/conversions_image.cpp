@@ -15,6 +15,7 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "base/text.hpp"
 #include "camera/pixels.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
@@ -26,17 +27,38 @@ using sensor_msgs::CameraInfo;
 using Invalid = std::invalid_argument;
 namespace enc = sensor_msgs::image_encodings;
 
+/// The name that sensor_msgs has for a model which calibration tools and drivers call otherwise.
+std::string standardModel(std::string name) {
+  static const std::map<std::string, std::string> kOthers = {
+      {"radtan", "plumb_bob"},           {"radial_tangential", "plumb_bob"},
+      {"brown_conrady", "plumb_bob"},    {"rational", "rational_polynomial"},
+      {"equi", "equidistant"},           {"fisheye", "equidistant"},
+      {"kannala_brandt", "equidistant"}, {"kannala_brandt4", "equidistant"}};
+  name = lowerCase(name);
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return c == '-' || c == ' '; }, '_');
+  const auto found = kOthers.find(name);
+  return found != kOthers.end() ? found->second : name;
+}
+
+bool saysNone(const std::string& model) {
+  return model.empty() || model == "none" || model == "pinhole" || model == "no_distortion";
+}
+
 void readDistortion(const CameraInfo& message, CameraFromInfo& camera) {
   Intrinsics& intrinsics = camera.intrinsics;
   intrinsics.distortion.assign(message.D.begin(), message.D.end());
   while (!intrinsics.distortion.empty() && intrinsics.distortion.back() == 0) intrinsics.distortion.pop_back();
-  if (message.distortion_model.empty()) {
-    require<Invalid>(intrinsics.distortion.empty(), "camera_info: D is given without a distortion_model");
+  const std::string model = standardModel(message.distortion_model);
+  if (saysNone(model)) {
+    require<Invalid>(intrinsics.distortion.empty(), "camera_info: D is given with the distortion_model \"",
+                     message.distortion_model, "\", which says nothing of it; set it to plumb_bob, ",
+                     "rational_polynomial or equidistant");
     camera.warning = "camera_info has no distortion_model; with D = 0 it is taken as plumb_bob";
     return;
   }
   try {
-    intrinsics.model = distortionModelFromString(message.distortion_model);
+    intrinsics.model = distortionModelFromString(model);
   } catch (const Invalid& error) {
     throw Invalid(std::string("camera_info: ") + error.what());
   }
@@ -217,8 +239,9 @@ EncodedInfo inspectCompressed(const sensor_msgs::CompressedImage& message) {
   } else if (data.size() >= 8 && std::equal(kPng, kPng + 8, data.begin())) {
     info = inspectPng(data);
   } else {
-    throw Invalid("the compressed image (format \"" + message.format + "\", " + std::to_string(data.size()) +
-                  " bytes) is neither JPEG nor PNG");
+    throw Invalid(
+        "the compressed image (format \"" + message.format + "\", " + std::to_string(data.size()) +
+        " bytes) is neither JPEG nor PNG, and no others are read; publish it as one of them, or as a raw image");
   }
   require<Invalid>(info.size.width > 0 && info.size.height > 0, "the compressed image has the size ", info.size.width,
                    " x ", info.size.height);

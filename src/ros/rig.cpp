@@ -127,7 +127,9 @@ std::string whyNoColors(const ImageTopic& image) {
   if (named({"depth", "disparity"})) return "holds depths by its name";
   if (named({"infra", "infrared", "ir", "nir", "nearir"})) return "is infrared by its name";
   if (!has_colors && named({"thermal", "lwir", "flir"})) return "is thermal by its name";
-  if (hasWord(image.topic, false, {"mask", "label", "labels", "segmentation", "confidence"})) {
+  if (hasWord(image.topic, false,
+              {"mask", "label", "labels", "segmentation", "confidence", "detections", "debug", "overlay", "annotated",
+               "visualization"})) {
     return "holds no colours by its name";
   }
   return {};

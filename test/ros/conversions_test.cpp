@@ -218,7 +218,7 @@ TEST(CameraFromMessage, BadCalibrationIsRefused) {
   EXPECT_REFUSED(cameraFromMessage(info, false), "ocam");
   info = infoMessage(640, 480);
   info.distortion_model = "";
-  EXPECT_REFUSED(cameraFromMessage(info, false), "without a distortion_model");
+  EXPECT_REFUSED(cameraFromMessage(info, false), "set it to plumb_bob");
   info = infoMessage(0, 480);
   EXPECT_REFUSED(cameraFromMessage(info, false), "0 x 480");
   info = infoMessage(640, 480);
@@ -236,6 +236,28 @@ TEST(CameraFromMessage, WhatIsAssumedIsSaid) {
   const CameraFromInfo camera = cameraFromMessage(info, false);
   EXPECT_EQ(camera.intrinsics.model, DistortionModel::kRationalPolynomial);
   EXPECT_NE(camera.warning.find("rational_polynomial"), std::string::npos);
+}
+
+TEST(CameraFromMessage, ModelsMayHaveTheNamesOfOtherTools) {
+  sensor_msgs::CameraInfo info = infoMessage(640, 480);
+  info.D = {0.1, 0.01, 0, 0};
+  info.distortion_model = "radtan";
+  EXPECT_EQ(cameraFromMessage(info, false).intrinsics.model, DistortionModel::kPlumbBob);
+  for (const char* name : {"fisheye", "Kannala-Brandt", "equi"}) {
+    info.distortion_model = name;
+    EXPECT_EQ(cameraFromMessage(info, false).intrinsics.model, DistortionModel::kEquidistant) << name;
+  }
+  info.distortion_model = "none";
+  EXPECT_REFUSED(cameraFromMessage(info, false), "none");
+  info.D = {};
+  EXPECT_TRUE(cameraFromMessage(info, false).intrinsics.distortion.empty());
+}
+
+TEST(CloudFromMessage, NamesOfCoordinatesMayBeCapitals) {
+  auto message = PointWriter().field("X", 7).field("Y", 7).field("Z", 7).done(1, 1);
+  const float position[3] = {1, 2, 3};
+  std::memcpy(message.data.data(), position, 12);
+  EXPECT_EQ(cloudFromMessage(message).positions.col(0), Eigen::Vector3d(1, 2, 3));
 }
 
 TEST(InspectCompressed, SizeAndKindFromTheBytes) {

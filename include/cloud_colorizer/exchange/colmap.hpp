@@ -18,10 +18,21 @@ struct ColmapImage {
   std::string name;  ///< file, relative to the image directory
 };
 
+/// A 3D point of a model, and where images saw it.
+struct ColmapPoint {
+  struct Sight {
+    std::size_t image = 0;  ///< index into ColmapModel::images
+    Eigen::Vector2d pixel;  ///< with pixel centres at integers
+  };
+  Eigen::Vector3d position{0, 0, 0};
+  std::vector<Sight> sights;
+};
+
 /// Principal points are in our convention (pixel centres at integers): COLMAP's minus 0.5.
 struct ColmapModel {
   std::vector<Intrinsics> cameras;
   std::vector<ColmapImage> images;  ///< by ascending image id
+  std::vector<ColmapPoint> points;  ///< some thousand of them, to compare with; empty where the model has none
   std::string directory;            ///< where it was found
 };
 

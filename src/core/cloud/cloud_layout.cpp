@@ -58,6 +58,14 @@ bool storeNumber(double number, FieldType type, std::uint8_t* target) {
   });
 }
 
+std::string namesOf(const std::vector<PlacedField>& fields) {
+  std::string text;
+  for (const PlacedField& placed : fields) {
+    if (placed.field.name != "_") text += (text.empty() ? "" : ", ") + placed.field.name;
+  }
+  return text.empty() ? "none" : text;
+}
+
 }  // namespace
 
 CloudLayout::CloudLayout(std::vector<PlacedField> fields, std::size_t stride, bool swap_bytes)
@@ -70,7 +78,7 @@ CloudLayout::CloudLayout(std::vector<PlacedField> fields, std::size_t stride, bo
     require<Invalid>(num_values <= kMaxValues, "a point of ", num_values, " numbers is too large; at most ", kMaxValues,
                      " can be read");
     const auto size = sizeOf(field.type);
-    const auto axis = field.name.size() == 1 ? std::string("xyz").find(field.name) : std::string::npos;
+    const auto axis = field.name.size() == 1 ? std::string("xyz").find(lowerCase(field.name)) : std::string::npos;
     const bool is_kept = axis == std::string::npos && field.name != "_";
     for (std::size_t i = 0; i < field.count; ++i) {
       scalars_.push_back({offset + i * size, field.type, wide});
@@ -90,7 +98,8 @@ CloudLayout::CloudLayout(std::vector<PlacedField> fields, std::size_t stride, bo
     }
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    require<Invalid>(found[axis], "there is no field ", "xyz"[axis], "; a cloud needs the fields x, y and z");
+    require<Invalid>(found[axis], "there is no field ", "xyz"[axis], "; a cloud needs the fields x, y and z, and has ",
+                     namesOf(placed_));
   }
   checkFields(fields_);
 }
@@ -101,7 +110,6 @@ CloudLayout CloudLayout::ofFile(const CloudHeader& header, const std::string& pa
   for (auto& [field, wide, offset] : fields) {
     if (header.encoding == Encoding::kAscii) wide = Wide::kNo;  // the line is read as float64
     offset = stride;
-    if (field.name.size() == 1 && field.name[0] >= 'X' && field.name[0] <= 'Z') field.name[0] += 'x' - 'X';
     stride += sizeOf(field.type) * field.count;
   }
   try {

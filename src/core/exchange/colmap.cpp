@@ -222,6 +222,41 @@ void writeText(const std::string& path, const std::string& text) {
 
 }  // namespace
 
+namespace {
+
+std::vector<ColmapPoint> pointsOf(const ColmapEntries& entries,
+                                  const std::map<long long, std::size_t>& place_of_image) {
+  std::vector<ColmapPoint> points;
+  std::map<long long, std::size_t> place_of_point;
+  for (const auto& [id, position] : entries.points) {
+    place_of_point[id] = points.size();
+    points.push_back({position, {}});
+  }
+  for (const auto& image : entries.images) {
+    for (const auto& sight : image.sights) {
+      const auto point = place_of_point.find(sight.point);
+      if (point == place_of_point.end()) continue;
+      const Eigen::Vector2d pixel = sight.pixel.array() - kPixelCentre;
+      points[point->second].sights.push_back({place_of_image.at(image.id), pixel});
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+std::set<long long> ColmapEntries::pointsOfSights() const {
+  std::set<long long> ids;
+  for (const Image& image : images) {
+    for (const Sight& sight : image.sights) ids.insert(sight.point);
+  }
+  return ids;
+}
+
+void ColmapEntries::addPoint(long long id, const Eigen::Vector3d& position, const std::set<long long>& wanted) {
+  if (wanted.count(id) != 0 || points.size() < kMostOtherPoints) points[id] = position;
+}
+
 ColmapModel readColmapModel(const std::string& directory) {
   ColmapModel model;
   model.directory = findModel(directory);
@@ -249,7 +284,12 @@ ColmapModel readColmapModel(const std::string& directory) {
         images.emplace(image.id, ColmapImage{camera->second, camera_from_map.inverse(), image.name}).second;
     require(is_new, image.where, ": the image ", image.id, " is there twice");
   }
-  for (auto& entry : images) model.images.push_back(std::move(entry.second));
+  std::map<long long, std::size_t> place_of_id;
+  for (auto& [id, image] : images) {
+    place_of_id[id] = model.images.size();
+    model.images.push_back(std::move(image));
+  }
+  model.points = pointsOf(entries, place_of_id);
   return model;
 }
 

@@ -104,8 +104,26 @@ void readImages(BlockReader& input, ColmapEntries& entries) {
     image.camera_from_map = takePose(input);
     image.camera = take<std::uint32_t>(input);
     image.name = takeName(input);
-    input.skip(takeCount(input, kPointSize) * kPointSize);
+    const std::uint64_t count = takeCount(input, kPointSize);
+    const std::uint64_t step = std::max<std::uint64_t>(1, count / ColmapEntries::kMostSights);
+    for (std::uint64_t i = 0; i < count; i += step) {
+      const std::vector<double> pixel = takeNumbers(input, 2);
+      const auto point = take<std::int64_t>(input);
+      input.skip((std::min(step, count - i) - 1) * kPointSize);
+      if (point >= 0) image.sights.push_back({{pixel[0], pixel[1]}, point});
+    }
     entries.images.push_back(image);
+  }
+}
+
+void readPoints(BlockReader& input, ColmapEntries& entries) {
+  const std::set<long long> wanted = entries.pointsOfSights();
+  for (std::uint64_t left = takeCount(input, 43); left > 0; --left) {
+    const auto id = take<std::uint64_t>(input);
+    const std::vector<double> position = takeNumbers(input, 3);
+    input.skip(3 + sizeof(double));  // colour and error
+    input.skip(takeCount(input, 8) * 8);
+    entries.addPoint(static_cast<long long>(id), Eigen::Vector3d(position.data()), wanted);
   }
 }
 
@@ -149,6 +167,7 @@ ColmapEntries readColmapBinary(const std::string& directory) {
   };
   read("cameras.bin", readCameras, true);
   read("images.bin", readImages, true);
+  read("points3D.bin", readPoints, false);
   read("rigs.bin", readRigs, false);
   read("frames.bin", readFrames, false);
   return entries;

@@ -69,9 +69,22 @@ void readCameras(LineFile file, ColmapEntries& entries) {
 }
 
 /// The points of an image are triples of numbers, and its line ends in a name.
-bool isPoints(const std::string& line) {
-  const auto words = splitWords(line);
+bool isPoints(const std::vector<std::string>& words) {
   return words.size() % 3 == 0 && std::all_of(words.begin(), words.end(), isNumber);
+}
+
+/// Some of the triples X Y POINT3D_ID that have a point.
+std::vector<ColmapEntries::Sight> someSights(const std::vector<std::string>& words) {
+  std::vector<ColmapEntries::Sight> sights;
+  const std::size_t step = std::max<std::size_t>(1, words.size() / 3 / ColmapEntries::kMostSights);
+  for (std::size_t i = 0; i + 2 < words.size(); i += 3 * step) {
+    ColmapEntries::Sight sight;
+    if (!parseInteger(words[i + 2], sight.point) || sight.point < 0) continue;
+    parseDouble(words[i], sight.pixel.x());
+    parseDouble(words[i + 1], sight.pixel.y());
+    sights.push_back(sight);
+  }
+  return sights;
 }
 
 void readImages(LineFile file, ColmapEntries& entries) {
@@ -86,10 +99,24 @@ void readImages(LineFile file, ColmapEntries& entries) {
     image.camera = words.nextId();
     image.name = words.next();
     while (!words.atEnd()) image.name += ' ' + words.next();
-    entries.images.push_back(image);
     // The points of the image follow, on a line that is often empty, and that some programs leave out.
     has_line = file.next(line);
-    if (has_line && (!LineFile::isEntry(line) || isPoints(line))) has_line = file.nextEntry(line);
+    const auto points = splitWords(line);
+    if (has_line && (!LineFile::isEntry(line) || isPoints(points))) {
+      image.sights = someSights(points);
+      has_line = file.nextEntry(line);
+    }
+    entries.images.push_back(std::move(image));
+  }
+}
+
+void readPoints(LineFile file, ColmapEntries& entries) {
+  const std::set<long long> wanted = entries.pointsOfSights();
+  for (std::string line; file.nextEntry(line);) {
+    Words words(line, file.where(), "POINT3D_ID X Y Z R G B ERROR TRACK...");
+    const long long id = words.nextId();
+    const double x = words.nextNumber(), y = words.nextNumber(), z = words.nextNumber();
+    entries.addPoint(id, {x, y, z}, wanted);
   }
 }
 
@@ -133,6 +160,7 @@ ColmapEntries readColmapText(const std::string& directory) {
   ColmapEntries entries;
   readCameras(LineFile(directory + "/cameras.txt"), entries);
   readImages(LineFile(directory + "/images.txt"), entries);
+  if (std::filesystem::exists(directory + "/points3D.txt")) readPoints(LineFile(directory + "/points3D.txt"), entries);
   if (std::filesystem::exists(directory + "/rigs.txt")) readRigs(LineFile(directory + "/rigs.txt"), entries);
   if (std::filesystem::exists(directory + "/frames.txt")) readFrames(LineFile(directory + "/frames.txt"), entries);
   return entries;

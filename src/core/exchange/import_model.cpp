@@ -7,8 +7,6 @@
 #include <filesystem>
 #include <limits>
 #include <map>
-#include <optional>
-#include <sstream>
 #include <tuple>
 #include <vector>
 
@@ -18,6 +16,7 @@
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "cloud_colorizer/exchange/colmap.hpp"
+#include "exchange/model_check.hpp"
 #include "exchange/photos.hpp"
 
 namespace cloud_colorizer {
@@ -70,55 +69,6 @@ void importCloud(const std::string& path, const Extent& extent, Recorder& record
     recorder.addCloud(block, map_from_center);
     progress.add(count);
   }
-}
-
-/// How often the samples lie in an image, whatever hides them, with the rotations changed by `change`.
-template <class Change>
-std::size_t countSeen(const ColmapModel& model, const std::vector<Eigen::Vector3d>& samples, const Change& change) {
-  std::vector<std::optional<Camera>> cameras(model.cameras.size());
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    if (!isPanorama(model.cameras[i])) cameras[i].emplace(model.cameras[i]);
-  }
-  const std::size_t stride = std::max<std::size_t>(1, model.images.size() / 200);  // of a long drive, some images
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < model.images.size(); i += stride) {
-    const Eigen::Isometry3d camera_from_map = change(model.images[i].map_from_camera.inverse());
-    for (const Eigen::Vector3d& sample : samples) {
-      const std::optional<Camera>& camera = cameras[model.images[i].camera];
-      if (!camera || camera->project((camera_from_map * sample).cast<float>())) ++count;
-    }
-  }
-  return count;
-}
-
-/// Some converters write x y z w where COLMAP has w x y z, or the camera's pose in the map instead of its inverse. Then
-/// the images look past the cloud.
-void checkPoses(const ColmapModel& model, const Extent& extent, const Callbacks& callbacks) {
-  constexpr double kMuchMore = 1.3;
-  if (!callbacks.log) return;
-  using Isometry = Eigen::Isometry3d;
-  const auto seen = static_cast<double>(countSeen(model, extent.samples, [](const Isometry& pose) { return pose; }));
-  const auto reordered = static_cast<double>(countSeen(model, extent.samples, [](const Isometry& pose) {
-    const Eigen::Quaterniond q(pose.linear());
-    Isometry result = pose;  // what was read as w x y z was x y z w
-    result.linear() = Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix();
-    return result;
-  }));
-  const auto inverted =
-      static_cast<double>(countSeen(model, extent.samples, [](const Isometry& pose) { return pose.inverse(); }));
-  const double best = std::max(reordered, inverted);
-  if (seen == 0 && best == 0) {
-    callbacks.log(LogLevel::kWarning,
-                  "no image looks at the cloud: do the model and the cloud belong together, in one frame and scale?");
-  }
-  if (seen * kMuchMore >= best) return;
-  std::ostringstream text;
-  text << "the images would see " << best / std::max(seen, 1.0) << " times as much of the cloud if the poses in "
-       << model.directory
-       << (reordered > inverted ? " were x y z w: COLMAP's quaternions are w x y z"
-                                : " were inverted: COLMAP's poses are camera from map")
-       << "; look at the program that wrote them";
-  callbacks.log(LogLevel::kWarning, text.str());
 }
 
 using CameraIds = std::vector<std::uint32_t>;  // one, or of each face of a panorama
@@ -212,7 +162,9 @@ Recording importModel(const ModelFiles& files, const std::string& directory, con
   if (model.directory != files.model && callbacks.log) callbacks.log(LogLevel::kInfo, "model: " + model.directory);
   const std::vector<Photo> photos = checkPhotos(files, model, callbacks);
   const Extent extent = measureCloud(files.cloud, callbacks);
-  checkPoses(model, extent, callbacks);
+  if (callbacks.log) {
+    for (const std::string& doubt : doubtsAbout(model, extent.samples)) callbacks.log(LogLevel::kWarning, doubt);
+  }
   RecordParams adapted = params;
   adapted.min_range = 0;
   adapted.max_range = std::numeric_limits<double>::max();

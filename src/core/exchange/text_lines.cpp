@@ -15,7 +15,9 @@ LineFile::LineFile(const std::string& path) : path_(path), stream_(path) {
 
 bool LineFile::next(std::string& line) {
   ++number_;
-  return static_cast<bool>(std::getline(stream_, line));
+  if (!std::getline(stream_, line)) return false;
+  if (number_ == 1 && line.rfind("\xEF\xBB\xBF", 0) == 0) line.erase(0, 3);  // of an editor under Windows
+  return true;
 }
 
 bool LineFile::nextEntry(std::string& line) {

@@ -106,6 +106,15 @@ TEST(Colmap, FovIsFollowedToATenthOfAPixel) {
   }
 }
 
+TEST(Colmap, AByteOrderMarkIsPassedOver) {
+  ScratchDirectory scratch;
+  writeText(scratch / "cameras.txt", "\xEF\xBB\xBF# cameras\n1 PINHOLE 64 48 50 50 32 24\n");
+  writeText(scratch / "images.txt",
+            "\xEF\xBB\xBF"
+            "1 1 0 0 0 0 0 0 1 a.png\n");
+  EXPECT_EQ(readColmapModel(scratch.path()).images.size(), 1U);
+}
+
 TEST(Colmap, LinesOfPointsMayBeMissing) {
   ScratchDirectory scratch;
   const std::string image = " 1 0 0 0 0 0 0 1 a.jpg\n";

@@ -130,6 +130,40 @@ TEST_F(ImportModel, PosesThatCannotBeRightAreTold) {
   EXPECT_NE(log_.find("x y z w"), std::string::npos) << log_;
 }
 
+/// The points of the model are some of the cloud's, seen where they appear.
+TEST_F(ImportModel, PointsOfTheModelTellWhetherItBelongsToTheCloud) {
+  const auto write = [&](double scale, double shift) {
+    std::string images, points;
+    int id = 1;
+    for (std::size_t i = 0; i < model_.images.size(); ++i) {
+      images += std::to_string(i + 1) + " 1 0 0 0 ";
+      const Eigen::Vector3d place = scale * model_.images[i].map_from_camera.translation();
+      for (int axis = 0; axis < 3; ++axis) images += std::to_string(-place[axis]) + ' ';
+      images += "1 " + model_.images[i].name + '\n';
+      for (Eigen::Index p = 0; p < 60; ++p, ++id) {
+        const Eigen::Vector3d point = scale * cloud_.positions.col(p);
+        const Eigen::Vector3d local = point - place;
+        images += std::to_string(50 * local.x() / local.z() + 32 + shift) + ' ' +
+                  std::to_string(50 * local.y() / local.z() + 24) + ' ' + std::to_string(id) + ' ';
+        points += std::to_string(id);
+        for (int axis = 0; axis < 3; ++axis) points += ' ' + std::to_string(point[axis]);
+        points += " 9 9 9 0.5 1 0\n";
+      }
+      images += '\n';
+    }
+    writeText(files_.model + "/images.txt", images);
+    writeText(files_.model + "/points3D.txt", points);
+    std::filesystem::remove_all(scratch_ / "r");
+    log_.clear();
+    importModel(files_, scratch_ / "r", RecordParams(), callbacks_);
+    return log_;
+  };
+  EXPECT_EQ(write(1, 0).find("3D points"), std::string::npos);
+  EXPECT_NE(write(0.9, 0).find("farther than"), std::string::npos);
+  EXPECT_NE(write(1, 5).find("% of the image's width beside"), std::string::npos);
+  EXPECT_EQ(write(1, 0.3).find("3D points"), std::string::npos);
+}
+
 TEST_F(ImportModel, APhotoOfAnotherShapeIsToldBeforeTheWork) {
   writeImage("left/a.PNG", 32, 20);
   files_.cloud = scratch_ / "nowhere.ply";  // not looked at before the photos
