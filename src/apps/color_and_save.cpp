@@ -17,6 +17,8 @@ namespace cloud_colorizer {
 
 const OptionSpec kWriteModelOption = {"write-model", "DIR",
                                       "the corrected poses: COLMAP's text model, and a TUM trajectory a camera", false};
+const OptionSpec kUndistortOption = {"undistort", "",
+                                     "with --write-model: the images as pinhole cameras would take them", false};
 const OptionSpec kSplatsOption = {"splats", "FILE", "the map as Gaussian splats, .ply, at most two million", false};
 
 void checkOutputs(const CommandLine& line) {
@@ -26,6 +28,8 @@ void checkOutputs(const CommandLine& line) {
     if (lowerExtension(splats) != ".ply") throw UsageError("--splats " + splats + ": its extension must be .ply");
     CloudWriter::checkPath(splats);
   }
+  require<UsageError>(!line.has(kUndistortOption.name) || line.has(kWriteModelOption.name), "--undistort needs --",
+                      kWriteModelOption.name, ", the folder of model and images");
   if (!line.has(kWriteModelOption.name)) return;
   const std::string directory = line.option(kWriteModelOption.name);
   std::error_code error;
@@ -57,14 +61,18 @@ ColorizeSummary colorAndSave(const Recording& recording, const CommandLine& line
                              const std::vector<std::string>& image_names) {
   const std::string output = line.option("output");
   // What the format cannot hold is told before the work.
-  { const CloudWriter trial(output, 0, coloredFields(recording, line.params), false); }
+  {
+    const CloudWriter trial(output, 0, coloredFields(recording, line.params), false, {},
+                            coloredCrs(recording, line.params));
+  }
   const ColorizeSummary summary = colorize(recording, line.params, callbacks);
   callbacks.log(LogLevel::kInfo, summary.describe());
   warnOfDisagreement(summary, callbacks);
   saveColored(recording, line.params, output, callbacks);
   callbacks.log(LogLevel::kInfo, "saved " + output);
   if (line.has(kWriteModelOption.name)) {
-    exportModel(recording, line.params, line.option(kWriteModelOption.name), image_names);
+    exportModel(recording, line.params, line.option(kWriteModelOption.name),
+                {image_names, line.has(kUndistortOption.name)}, callbacks);
     exportPoints(recording, line.params, line.option(kWriteModelOption.name));
   }
   if (line.has(kSplatsOption.name)) {

@@ -13,7 +13,7 @@
 
 namespace cloud_colorizer {
 
-extern const OptionSpec kWriteModelOption, kSplatsOption;
+extern const OptionSpec kWriteModelOption, kUndistortOption, kSplatsOption;
 
 /// Before the work, so that a path that cannot be written is told then and not after it. Makes the model's folder.
 void checkOutputs(const CommandLine& line);

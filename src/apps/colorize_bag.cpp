@@ -25,6 +25,7 @@ CommandSpec commandSpec() {
                   kPosesFrameOption,
                   {"recording", "DIR", "keep the recording here; `colorize DIR` colours it again", false},
                   kWriteModelOption,
+                  kUndistortOption,
                   kSplatsOption};
   spec.other_params = describeCollectorParams(CollectorParams());
   return spec;

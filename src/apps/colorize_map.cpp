@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
       {"output", "FILE", "the coloured map, .ply, .pcd or .las", true},
       {"recording", "DIR", "keep the recording here instead of in a temporary folder", false},
       kWriteModelOption,
+      kUndistortOption,
       kSplatsOption};
   // A finished map: every point is wanted, and nothing is known about its scale or about where it was measured from.
   spec.defaults.record.voxel_size = 0;

@@ -40,6 +40,13 @@ grep -v '^#' "$tmp/model/points3D.txt" | awk 'NF != 8 || $5 > 255 || $6 > 255 ||
   problem "points3D.txt has other lines than id x y z r g b error"
 expect 0 'saved' colorize_map --cloud "$tmp/map.pcd" --images "$recording/images" --model "$tmp/model" \
   --output "$tmp/again.ply" method=mean
+expect 2 'needs --write-model' colorize "$recording" --output "$tmp/flat.ply" --undistort
+expect 0 'saved' colorize "$recording" --output "$tmp/flat.las" --write-model "$tmp/flat" --undistort crs=EPSG:25832
+! grep -v '^#' "$tmp/flat/cameras.txt" | grep -qv ' PINHOLE ' || problem "--undistort leaves cameras with distortion"
+expect 0 'saved' colorize_map --cloud "$tmp/flat.las" --images "$tmp/flat/images" --model "$tmp/flat" \
+  --output "$tmp/again.las" method=mean
+grep -aq 'PROJCS."ETRS89 / UTM zone 32N"' "$tmp/again.las" || problem "the coordinate reference system is lost"
+expect 2 'crs: .*EPSG:1' colorize "$recording" --output "$tmp/flat.las" crs=EPSG:1
 head -c 200 "$tmp/map.pcd" | grep -aq 'FIELDS x y z .*rgb view_count color_stddev' || problem "map.pcd has other fields"
 expect 0 '' render_map "$tmp/map.ply" --output "$tmp/map.png" --size 320x200
 [ -s "$tmp/map.png" ] || problem "no picture is drawn"

@@ -30,6 +30,8 @@ class CloudReader {
   ~CloudReader();
   std::size_t numPoints() const;
   const std::vector<Field>& fields() const;  ///< without x, y, z
+  /// Coordinate reference system of a LAS: well-known text or "EPSG:25832"; empty: unknown.
+  const std::string& crs() const;
   /// Up to `max_points` further points, in the order and frame of the file; empty at the end. Throws
   /// std::runtime_error, with file and place, on a line that is no point.
   Cloud read(std::size_t max_points);
@@ -42,14 +44,15 @@ class CloudReader {
 /// Writes a cloud of known size to `path` + a temporary suffix, and renames it on finish(): the file is complete or
 /// absent. Positions are written as double where `double_positions`, else as float. The format follows the extension.
 /// LAS: integers in a `box`, which must hold all points; "rgb" becomes its colours of 16 bits, what it has no place for
-/// extra bytes. PCD: binary, fields as they are. PLY: binary little endian; "rgb" becomes uchar red, green, blue, and
-/// an array name_0, name_1, ... The constructor throws std::runtime_error for an unknown extension or a missing
-/// directory and std::invalid_argument for fields that checkFields refuses; write() and finish() throw
-/// std::runtime_error when the disk is full. The temporary file is removed unless finish() came to its end.
+/// extra bytes; `crs`, its coordinate reference system, is well-known text or a code such as EPSG:25832. PCD: binary,
+/// fields as they are. PLY: binary little endian; "rgb" becomes uchar red, green, blue, and an array name_0, name_1,
+/// ... The constructor throws std::runtime_error for an unknown extension or a missing directory and
+/// std::invalid_argument for fields that checkFields refuses; write() and finish() throw std::runtime_error when the
+/// disk is full. The temporary file is removed unless finish() came to its end.
 class CloudWriter {
  public:
   CloudWriter(const std::string& path, std::size_t num_points, const std::vector<Field>& fields, bool double_positions,
-              const Eigen::AlignedBox3d& box = {});
+              const Eigen::AlignedBox3d& box = {}, const std::string& crs = "");
   ~CloudWriter();
   /// Further points. Throws std::invalid_argument when the fields differ or there are more than `num_points`.
   void write(const Cloud& cloud);

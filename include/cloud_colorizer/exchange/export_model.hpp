@@ -12,14 +12,20 @@
 
 namespace cloud_colorizer {
 
+struct ExportedImages {
+  std::vector<std::string> names;  ///< one a view; empty: their files relative to the recording's folder `images`
+  /// The images are written as well, below `images`, as pinhole cameras would have taken them, which are then the
+  /// cameras of the model: JPEG where the recording has it, else PNG. Those that cannot be decoded are left out.
+  bool undistort = false;
+};
+
 /// Writes into `directory`, which is made when missing, in the map frame (the recording's origin added):
 ///   cameras.txt images.txt points3D.txt   COLMAP's text model, whose camera models ours are; without points
 ///   trajectory_camera_i.txt               TUM: stamp tx ty tz qx qy qz qw of map_from_camera, one file a camera
 /// The poses are the corrected ones when colorize() aligned the recording with these parameters, else the recorded
-/// ones. `names`: of the images, one a view; empty: their files relative to the recording's folder `images`.
-/// Each file is complete or absent. Throws std::runtime_error with path and reason.
+/// ones. Each file is complete or absent. Throws std::runtime_error with path and reason.
 void exportModel(const Recording& recording, const Params& params, const std::string& directory,
-                 const std::vector<std::string>& names = {});
+                 const ExportedImages& images = {}, const Callbacks& callbacks = {});
 
 /// Writes the coloured points of the map (after colorize) into points3D.txt of that folder, every k-th so that there
 /// are at most `max_points`: what programs that train Gaussian splats begin with. Their tracks are empty. Throws as

@@ -43,6 +43,9 @@ std::vector<Eigen::Isometry3d> usedPoses(const Recording& recording, const Param
 /// the recording has scans, moving (UINT8; from 128 on something that moved).
 std::vector<Field> coloredFields(const Recording& recording, const Params& params);
 
+/// The coordinate reference system that a saved .las names: the parameter's, else the recording's; empty: none.
+std::string coloredCrs(const Recording& recording, const Params& params);
+
 /// Visits the coloured map tile by tile (after colorize). Positions are relative to the origin where `relative`.
 void forEachColoredTile(const Recording& recording, const Params& params, bool relative,
                         const std::function<void(const Cloud&)>& visit);

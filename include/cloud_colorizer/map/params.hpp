@@ -33,6 +33,7 @@ struct ColorizeParams {
   Moving moving = Moving::kMark;
   Tone tone = Tone::kDisplay;
   double fill_distance = 0.3;  ///< m; `uncolored: fill` takes the colour of the nearest coloured point within it
+  std::string crs;             ///< of a saved .las: a code such as EPSG:25832, or WKT; empty: as the input's
   int num_threads = 0;         ///< 0: one a core
   double memory_limit = 0;     ///< MB for chunks in work, images and depth images together; 0: half of the machine's
                                ///< memory, at most 4000
@@ -126,6 +127,8 @@ void visitParams(ParamsT& p, F&& f) {
   f("overlap", p.chunks.overlap, "halo of a chunk as a share of its side");
   f("moving", p.colorize.moving, "keep, mark (field moving) or drop the points of what moved, as the scans tell it");
   f("fill_distance", p.colorize.fill_distance, "m within which an unseen point takes a neighbour's colour");
+  f("crs", p.colorize.crs,
+    "coordinate reference system that a saved .las names: EPSG:25832, say, or WKT; empty: as the input's");
 }
 
 /// Sets one parameter from text. Throws std::invalid_argument: unknown name (with the nearest known one, or what is

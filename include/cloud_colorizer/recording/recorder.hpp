@@ -46,6 +46,9 @@ class Recorder {
   Recorder(const std::string& directory, const std::string& map_frame, const RecordParams& params);
   ~Recorder();
 
+  /// Of the map frame: well-known text or "EPSG:25832". It is only kept, for who reads the recording.
+  void setCrs(const std::string& crs);
+
   /// Adds or finds the camera. One name may get new intrinsics later: views then refer to a new entry.
   std::uint32_t setCamera(const std::string& name, const Intrinsics& intrinsics);
   void setMask(std::uint32_t camera, const cv::Mat1b& mask);

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// A recording: the directory between collecting and colouring. Append-only, readable with ordinary tools:
-///   recording.yaml   format version, map frame, origin, voxel and tile size, fields of a point
+///   recording.yaml   format version, map frame and its coordinate reference system, origin, voxel and tile size,
+///   fields
+///                    of a point
 ///   cameras.yaml     intrinsics and mask of every camera
 ///   views.csv        one line a view: camera, stamp, pose, image file
 ///   readouts.csv     one line a view of a rolling shutter: its number, and how its camera moved while it was read
@@ -64,6 +66,7 @@ class Recording {
 
   const std::string& directory() const;
   const std::string& mapFrame() const;
+  const std::string& crs() const;         ///< of the map frame: well-known text or "EPSG:25832"; empty: unknown
   const Eigen::Vector3d& origin() const;  ///< m, of all positions and poses, in the map frame
   double voxelSize() const;
   double tileSize() const;

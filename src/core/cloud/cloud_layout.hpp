@@ -41,6 +41,7 @@ struct CloudHeader {
   /// VIEWPOINT of a PCD; scale and offset of a LAS.
   Eigen::Affine3d map_from_points = Eigen::Affine3d::Identity();
   std::uint64_t num_points = 0;
+  std::string crs;  ///< as wellKnownText() takes it, of a LAS; empty: unknown
   Encoding encoding = Encoding::kBinary;
 };
 

@@ -167,6 +167,9 @@ std::size_t CloudReader::numPoints() const {
 const std::vector<Field>& CloudReader::fields() const {
   return impl_->layout.fields();
 }
+const std::string& CloudReader::crs() const {
+  return impl_->header.crs;
+}
 
 Cloud CloudReader::read(std::size_t max_points) {
   auto& impl = *impl_;

@@ -10,6 +10,7 @@
 
 #include "base/file_io.hpp"
 #include "base/text.hpp"
+#include "cloud/crs.hpp"
 #include "cloud/las.hpp"
 #include "cloud/pcd.hpp"
 #include "cloud/ply.hpp"
@@ -38,7 +39,7 @@ struct CloudWriter::Impl {
   std::vector<std::uint8_t> block;
 
   Impl(const std::string& file_path, std::size_t count, const std::vector<Field>& cloud_fields, bool as_double,
-       const Eigen::AlignedBox3d& box)
+       const Eigen::AlignedBox3d& box, const std::string& crs)
       : path((checkPath(file_path), file_path)),
         fields((checkFields(cloud_fields), cloud_fields)),
         num_points(count),
@@ -46,7 +47,7 @@ struct CloudWriter::Impl {
         file(path) {
     if (extension() == ".las") {
       require<std::invalid_argument>(count == 0 || !box.isEmpty(), path, " needs the box around its points");
-      las.emplace(fields, count, box, lasOffset(box));
+      las.emplace(fields, count, box, lasOffset(box), crs.empty() || isWellKnownText(crs) ? crs : wellKnownText(crs));
     }
     const std::string header = las                     ? las->header()
                                : extension() == ".ply" ? plyHeader(fields, as_double, count)
@@ -66,8 +67,8 @@ struct CloudWriter::Impl {
 };
 
 CloudWriter::CloudWriter(const std::string& path, std::size_t num_points, const std::vector<Field>& fields,
-                         bool double_positions, const Eigen::AlignedBox3d& box)
-    : impl_(std::make_unique<Impl>(path, num_points, fields, double_positions, box)) {}
+                         bool double_positions, const Eigen::AlignedBox3d& box, const std::string& crs)
+    : impl_(std::make_unique<Impl>(path, num_points, fields, double_positions, box, crs)) {}
 CloudWriter::~CloudWriter() = default;
 
 void CloudWriter::write(const Cloud& cloud) {

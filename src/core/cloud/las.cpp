@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "cloud_colorizer/base/check.hpp"
@@ -128,21 +129,47 @@ std::vector<PlacedField> extraFields(const std::vector<char>& record, std::set<s
   return fields;
 }
 
-/// Passes over the variable length records and keeps what describes the extra bytes.
-std::vector<char> readExtraRecord(BlockReader& input, std::uint32_t num_records) {
-  std::vector<char> extra;
+/// GeoTIFF's keys, of which one tells the code: of a projection, or where there is none of a geographic system, and of
+/// the heights. Empty where the system is described without a code.
+std::string codeOfGeoKeys(const std::vector<char>& record) {
+  constexpr std::uint16_t kGeographic = 2048, kProjected = 3072, kVertical = 4096, kUserDefined = 32767;
+  std::map<std::uint16_t, std::uint16_t> values;
+  for (std::size_t key = 8; key + 8 <= record.size(); key += 8) {
+    const auto is_here = at<std::uint16_t>(record, key + 2) == 0;
+    const auto value = at<std::uint16_t>(record, key + 6);
+    if (is_here && value > 0 && value < kUserDefined) values[at<std::uint16_t>(record, key)] = value;
+  }
+  const auto system = values.count(kProjected) != 0 ? values.find(kProjected) : values.find(kGeographic);
+  if (system == values.end()) return {};
+  std::string code = "EPSG:" + std::to_string(system->second);
+  if (values.count(kVertical) != 0) code += '+' + std::to_string(values[kVertical]);
+  return code;
+}
+
+/// What the variable length records tell.
+struct Records {
+  std::vector<char> extra_bytes;
+  std::string crs;  ///< the well-known text before the code
+};
+
+Records readRecords(BlockReader& input, std::uint32_t num_records) {
+  constexpr std::uint16_t kGeoKeys = 34735, kText = 2112;
+  Records records;
+  std::string code;
   for (std::uint32_t i = 0; i < num_records; ++i) {
     std::vector<char> head(kVlrSize);
     input.read(head.data(), head.size());
-    const auto size = at<std::uint16_t>(head, 20);
-    if (textAt(head, 2, 16) == "LASF_Spec" && at<std::uint16_t>(head, 18) == 4) {
-      extra.resize(size);
-      input.read(extra.data(), extra.size());
-    } else {
-      input.skip(size);
-    }
+    const std::string user = textAt(head, 2, 16);
+    const auto id = at<std::uint16_t>(head, 18);
+    std::vector<char> content(at<std::uint16_t>(head, 20));
+    input.read(content.data(), content.size());
+    if (user == "LASF_Spec" && id == 4) records.extra_bytes = std::move(content);
+    if (user == "LASF_Projection" && id == kGeoKeys) code = codeOfGeoKeys(content);
+    if (user == "LASF_Projection" && id == kText)
+      records.crs.assign(content.data(), strnlen(content.data(), content.size()));
   }
-  return extra;
+  if (records.crs.empty()) records.crs = code;
+  return records;
 }
 
 }  // namespace
@@ -193,7 +220,9 @@ CloudHeader readLasHeader(BlockReader& input) {
     end += sizeOf(slot.type);
   }
   pad(format.size);
-  for (const PlacedField& field : extraFields(readExtraRecord(input, at<std::uint32_t>(head, 100)), names)) {
+  const Records records = readRecords(input, at<std::uint32_t>(head, 100));
+  header.crs = records.crs;
+  for (const PlacedField& field : extraFields(records.extra_bytes, names)) {
     const std::size_t size = sizeOf(field.field.type) * field.field.count;
     if (end + size > stride) break;  // described, but not there
     header.fields.push_back(field);
@@ -239,6 +268,19 @@ std::uint8_t extraCode(FieldType type) {
   return 0;
 }
 
+struct RecordHead {
+  std::string user;
+  std::uint16_t id;
+  std::size_t size;  ///< bytes
+  std::string description;
+};
+void beginRecord(HeaderBytes& bytes, std::size_t offset, const RecordHead& head) {
+  bytes.put(offset + 2, head.user);
+  bytes.put<std::uint16_t>(offset + 18, head.id);
+  bytes.put<std::uint16_t>(offset + 20, static_cast<std::uint16_t>(head.size));
+  bytes.put(offset + 22, head.description);
+}
+
 void describeExtra(HeaderBytes& bytes, std::size_t offset, const Field& field) {
   require<std::invalid_argument>(field.name.size() <= 32, "the field ", field.name,
                                  " has a name of more than 32 bytes, which LAS cannot hold; rename it or save as .ply");
@@ -249,7 +291,7 @@ void describeExtra(HeaderBytes& bytes, std::size_t offset, const Field& field) {
 }  // namespace
 
 LasFormat::LasFormat(const std::vector<Field>& fields, std::uint64_t num_points, const Eigen::AlignedBox3d& box,
-                     const Eigen::Vector3d& offset)
+                     const Eigen::Vector3d& offset, const std::string& crs)
     : offset_(offset) {
   const bool has_time = std::any_of(fields.begin(), fields.end(), [](const Field& field) {
     return field.name == "gps_time" && field.type == FieldType::kFloat64 && field.count == 1;
@@ -286,17 +328,20 @@ LasFormat::LasFormat(const std::vector<Field>& fields, std::uint64_t num_points,
                                       : std::max(1e-9, std::max((box.max() - offset).cwiseAbs().maxCoeff(),
                                                                 (box.min() - offset).cwiseAbs().maxCoeff()));
   step_ = std::pow(10.0, std::ceil(std::log10(extent)) - 8);
-  const std::size_t points_at = kHeaderSize + (extra.empty() ? 0 : kVlrSize + extra.size() * kExtraSize);
+  require<std::invalid_argument>(crs.size() < 0xFFFF, "the coordinate reference system has ", crs.size(),
+                                 " bytes, more than LAS can hold");
+  const std::size_t crs_at = kHeaderSize + (extra.empty() ? 0 : kVlrSize + extra.size() * kExtraSize);
+  const std::size_t points_at = crs_at + (crs.empty() ? 0 : kVlrSize + crs.size() + 1);
   HeaderBytes bytes(points_at);
   bytes.put(0, std::string("LASF"));
-  bytes.put<std::uint16_t>(6, has_time ? 0x10 : 0);  // formats from 6 on have their coordinate system as WKT, if any
+  bytes.put<std::uint16_t>(6, has_time || !crs.empty() ? 0x10 : 0);  // as WKT, if any, and always in formats from 6 on
   bytes.put<std::uint8_t>(24, 1);
   bytes.put<std::uint8_t>(25, 4);
   bytes.put(26, std::string("cloud_colorizer"));
   bytes.put(58, std::string("cloud_colorizer"));
   bytes.put<std::uint16_t>(94, kHeaderSize);
   bytes.put<std::uint32_t>(96, static_cast<std::uint32_t>(points_at));
-  bytes.put<std::uint32_t>(100, extra.empty() ? 0 : 1);
+  bytes.put<std::uint32_t>(100, (extra.empty() ? 0U : 1U) + (crs.empty() ? 0U : 1U));
   bytes.put<std::uint8_t>(104, static_cast<std::uint8_t>(number));
   bytes.put<std::uint16_t>(105, static_cast<std::uint16_t>(size_));
   const bool has_legacy = !has_time && num_points <= std::numeric_limits<std::uint32_t>::max();
@@ -311,12 +356,13 @@ LasFormat::LasFormat(const std::vector<Field>& fields, std::uint64_t num_points,
   }
   for (const std::size_t at : {247U, 255U}) bytes.put<std::uint64_t>(at, num_points);
   if (!extra.empty()) {
-    bytes.put(kHeaderSize + 2, std::string("LASF_Spec"));
-    bytes.put<std::uint16_t>(kHeaderSize + 18, 4);
-    bytes.put<std::uint16_t>(kHeaderSize + 20, static_cast<std::uint16_t>(extra.size() * kExtraSize));
-    bytes.put(kHeaderSize + 22, std::string("extra bytes"));
+    beginRecord(bytes, kHeaderSize, {"LASF_Spec", 4, extra.size() * kExtraSize, "extra bytes"});
     for (std::size_t i = 0; i < extra.size(); ++i)
       describeExtra(bytes, kHeaderSize + kVlrSize + i * kExtraSize, extra[i]);
+  }
+  if (!crs.empty()) {
+    beginRecord(bytes, crs_at, {"LASF_Projection", 2112, crs.size() + 1, "OGC WKT"});
+    bytes.put(crs_at + kVlrSize, crs);
   }
   header_ = bytes.bytes();
 }

@@ -29,8 +29,9 @@ class LasFormat {
  public:
   /// `box` holds all points [m]; `offset` is where their integers are 0. A step of the integers is a power of ten,
   /// about 10^-8 of the box. Throws std::invalid_argument for a field whose name is longer than 32 bytes.
+  /// `crs`: well-known text of version 1; empty: none.
   LasFormat(const std::vector<Field>& fields, std::uint64_t num_points, const Eigen::AlignedBox3d& box,
-            const Eigen::Vector3d& offset);
+            const Eigen::Vector3d& offset, const std::string& crs);
 
   const std::string& header() const { return header_; }
   std::size_t pointSize() const { return size_; }

@@ -60,6 +60,7 @@ double chooseTileSize(const Extent& extent) {
 
 void importCloud(const std::string& path, const Extent& extent, Recorder& recorder, const Callbacks& callbacks) {
   CloudReader reader(path);
+  if (!reader.crs().empty()) recorder.setCrs(reader.crs());
   ProgressMeter progress(callbacks, "import cloud", reader.numPoints());
   const Eigen::Vector3d center = extent.box.center();
   const Eigen::Isometry3d map_from_center(Eigen::Translation3d{center});

@@ -200,6 +200,10 @@ std::vector<Field> coloredFields(const Recording& recording, const Params& param
   return mapFields(recording, params.colorize.tone == Tone::kRadiance, marksMoving(recording, params));
 }
 
+std::string coloredCrs(const Recording& recording, const Params& params) {
+  return params.colorize.crs.empty() ? recording.crs() : params.colorize.crs;
+}
+
 void forEachColoredTile(const Recording& recording, const Params& params, bool relative,
                         const std::function<void(const Cloud&)>& visit) {
   ColoredTiles(recording, params).visit(relative, visit);
@@ -244,7 +248,8 @@ std::size_t saveColored(const Recording& recording, const Params& params, const 
   const bool is_far = !recording.origin().isZero();
   const bool is_relative = is_far && lowerExtension(path) == ".pcd";
   const Eigen::AlignedBox3d box = lowerExtension(path) == ".las" ? boxAround(recording) : Eigen::AlignedBox3d();
-  CloudWriter writer(path, num_points, coloredFields(recording, params), is_far && !is_relative, box);
+  CloudWriter writer(path, num_points, coloredFields(recording, params), is_far && !is_relative, box,
+                     coloredCrs(recording, params));
   ProgressMeter progress(callbacks, "save", num_points);
   tiles.visit(is_relative, [&](const Cloud& cloud) {
     writer.write(cloud);

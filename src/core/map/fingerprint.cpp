@@ -135,8 +135,8 @@ std::string depthKey(const Recording& recording, const Params& params, const std
 std::string colorsKey(const Recording& recording, const Params& params, const ViewList& damaged,
                       const std::vector<CorrectedView>& views) {
   // These do not change the colour of a tile.
-  const std::set<std::string> without = {"num_threads",     "memory_limit", "uncolored", "fill_distance",
-                                         "scan_resolution", "moving",       "tone"};
+  const std::set<std::string> without = {"num_threads", "memory_limit",    "uncolored", "fill_distance",
+                                         "crs",         "scan_resolution", "moving",    "tone"};
   Hash exposures;
   for (const auto& view : views) {
     exposures.add(view.exposure.gain.data(), static_cast<std::size_t>(view.exposure.gain.size()));

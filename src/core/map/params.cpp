@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "base/param_text.hpp"
+#include "cloud/crs.hpp"
 
 namespace cloud_colorizer {
 std::vector<std::string> enumNames(Method) {
@@ -38,6 +39,11 @@ std::vector<std::string> enumNames(AlignPoses) {
 void ColorizeParams::check() const {
   requireInRange("fill_distance", fill_distance, 0.0, 1e3);
   requireInRange("num_threads", num_threads, 0, 1024);
+  try {
+    if (!crs.empty()) wellKnownText(crs);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(std::string("parameter crs: ") + error.what());
+  }
   if (memory_limit != 0) requireInRange("memory_limit", memory_limit, 100.0, 1e7);
 }
 

@@ -176,6 +176,11 @@ Recorder::~Recorder() {
   }
 }
 
+void Recorder::setCrs(const std::string& crs) {
+  impl_->info.crs = crs;
+  writeInfo(impl_->directory, impl_->info);
+}
+
 std::uint32_t Recorder::setCamera(const std::string& name, const Intrinsics& intrinsics) {
   return impl_->cameras.find(name, intrinsics);
 }

@@ -44,6 +44,9 @@ const std::string& Recording::directory() const {
 const std::string& Recording::mapFrame() const {
   return state_->info.map_frame;
 }
+const std::string& Recording::crs() const {
+  return state_->info.crs;
+}
 const Eigen::Vector3d& Recording::origin() const {
   return state_->origin;
 }

@@ -68,6 +68,7 @@ RecordingInfo parseInfo(const YAML::Node& node, const std::string& path) {
   if (const auto origin = node["origin"]) {
     info.origin.emplace(origin[0].as<double>(), origin[1].as<double>(), origin[2].as<double>());
   }
+  if (const auto crs = node["crs"]) info.crs = crs.as<std::string>();
   if (const auto fields = node["fields"]) info.fields = parseFields(fields);
   return info;
 }
@@ -123,6 +124,7 @@ void writeInfo(const std::string& directory, const RecordingInfo& info) {
   out << YAML::Key << "map_frame" << YAML::Value << YAML::DoubleQuoted << info.map_frame;
   out << YAML::Key << "voxel_size" << YAML::Value << formatDouble(info.voxel_size);
   out << YAML::Key << "tile_size" << YAML::Value << formatDouble(info.tile_size);
+  if (!info.crs.empty()) out << YAML::Key << "crs" << YAML::Value << YAML::DoubleQuoted << info.crs;
   if (info.origin) {
     out << YAML::Key << "origin" << YAML::Value << YAML::Flow << YAML::BeginSeq;
     for (int axis = 0; axis < 3; ++axis) out << formatDouble((*info.origin)[axis]);

@@ -21,6 +21,7 @@ struct RecordingInfo {
   double voxel_size = 0, tile_size = 0;
   std::optional<Eigen::Vector3d> origin;
   std::optional<std::vector<Field>> fields;
+  std::string crs;
 };
 
 struct Recording::State {

@@ -145,6 +145,42 @@ TEST(Las, WhatIsWrittenIsReadAgain) {
   }
 }
 
+TEST(Las, TheCoordinateReferenceSystemIsPassedOn) {
+  ScratchDirectory scratch;
+  const std::vector<Field> fields = {{"view_count", FieldType::kUint16, 1}};
+  CloudWriter(scratch / "a.las", 0, fields, false, {}, "EPSG:25832").finish();
+  const std::string text = CloudReader(scratch / "a.las").crs(), bytes = readText(scratch / "a.las");
+  EXPECT_EQ(text.rfind("PROJCS[\"ETRS89 / UTM zone 32N\"", 0), 0U) << text;
+  EXPECT_NE(text.find("AUTHORITY[\"EPSG\",\"25832\"]"), std::string::npos);
+  EXPECT_EQ(get<std::uint16_t>(bytes, 6) & 0x10, 0x10);  // it is WKT
+  EXPECT_EQ(get<std::uint32_t>(bytes, 100), 2U);         // beside the extra bytes
+  CloudWriter(scratch / "b.las", 0, fields, false, {}, text).finish();
+  EXPECT_EQ(CloudReader(scratch / "b.las").crs(), text);
+  CloudWriter(scratch / "c.las", 0, fields, false).finish();
+  EXPECT_EQ(CloudReader(scratch / "c.las").crs(), "");
+  EXPECT_THROW(CloudWriter(scratch / "d.las", 0, fields, false, {}, "EPSG:1"), std::invalid_argument);
+}
+
+/// A file of version 1.2 with GeoTIFF's keys: of a projection and of heights.
+TEST(Las, CodesOfGeoKeysAreRead) {
+  ScratchDirectory scratch;
+  std::string record(54, '\0');
+  record.replace(2, 15, "LASF_Projection");
+  put<std::uint16_t>(record, 18, 34735);
+  put<std::uint16_t>(record, 20, 40);
+  for (const int number : {1, 1, 0, 4, 1024, 0, 1, 1, 2049, 34737, 7, 0, 3072, 0, 1, 25832, 4096, 0, 1, 5783}) {
+    put<std::uint16_t>(record, record.size(), static_cast<std::uint16_t>(number));
+  }
+  std::string bytes = lasFile(0, 20);
+  const auto points_at = get<std::uint32_t>(bytes, 96);
+  bytes.insert(227, record);
+  put<std::uint32_t>(bytes, 96, points_at + static_cast<std::uint32_t>(record.size()));
+  put<std::uint32_t>(bytes, 100, 1);
+  writeText(scratch / "a.las", bytes);
+  EXPECT_EQ(CloudReader(scratch / "a.las").crs(), "EPSG:25832+5783");
+  EXPECT_EQ(readAll(scratch / "a.las").positions.cols(), 2);
+}
+
 TEST(Las, AnEmptyMapIsWritten) {
   ScratchDirectory scratch;
   CloudWriter writer(scratch / "a.las", 0, {}, false);

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
 #include "cloud_colorizer/camera/camera.hpp"
@@ -100,9 +101,51 @@ TEST(ExportModel, TrajectoriesAreTumByStamp) {
 TEST(ExportModel, NamesMayBeGivenAndMustBeOneAView) {
   ScratchDirectory scratch;
   const Recording recording = record(scratch / "recording");
-  exportModel(recording, Params{}, scratch / "model", {"a b.jpg", "b", "c", "d", "e", "f"});
+  exportModel(recording, Params{}, scratch / "model", {{"a b.jpg", "b", "c", "d", "e", "f"}});
   EXPECT_EQ(readColmapModel(scratch / "model").images[0].name, "a b.jpg");
-  EXPECT_THROW(exportModel(recording, Params{}, scratch / "model", {"a"}), std::invalid_argument);
+  EXPECT_THROW(exportModel(recording, Params{}, scratch / "model", {{"a"}}), std::invalid_argument);
+}
+
+/// What a camera sees of colours that follow the direction, [px] 64 x 48.
+cv::Vec3b colorOf(const Eigen::Vector3d& ray) {
+  const double x = ray.x() / ray.z(), y = ray.y() / ray.z();
+  return {cv::saturate_cast<std::uint8_t>(120 + 100 * x), cv::saturate_cast<std::uint8_t>(120 + 100 * y), 60};
+}
+
+TEST(ExportModel, UndistortedImagesAreThoseOfPinholeCameras) {
+  ScratchDirectory scratch;
+  Recorder recorder(scratch / "recording", "map", RecordParams{});
+  for (std::size_t c = 0; c < allModels().size(); ++c) {
+    const auto id = recorder.setCamera("camera_" + std::to_string(c), allModels()[c]);
+    const Camera camera(allModels()[c]);
+    cv::Mat3b image(48, 64);
+    for (int v = 0; v < 48; ++v) {
+      for (int u = 0; u < 64; ++u) image(v, u) = colorOf(*camera.bearing({u, v}));
+    }
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(".png", image, bytes);
+    recorder.addView(id, static_cast<double>(c), poseOf(0), bytes, "png");
+  }
+  recorder.addView(0, 9, poseOf(1), {1, 2, 3}, "png");  // no image
+  const std::string model_folder = scratch / "model";
+  exportModel(recorder.snapshot(), Params{}, model_folder, {{"a.png", "deep/b.tiff", "c", "d"}, true});
+  const ColmapModel model = readColmapModel(model_folder);
+  ASSERT_EQ(model.images.size(), 3U);
+  EXPECT_EQ(model.images[1].name, "deep/b.png");
+  EXPECT_NE(textOf(model_folder + "/cameras.txt").find("2 PINHOLE 64 48 50 51"), std::string::npos);
+  for (const ColmapImage& image : model.images) {
+    const Camera camera(model.cameras[image.camera]);
+    const cv::Mat3b seen = cv::imread(model_folder + "/images/" + image.name);
+    ASSERT_EQ(seen.size(), cv::Size(64, 48)) << image.name;
+    for (int v = 6; v < 42; ++v) {
+      for (int u = 6; u < 58; ++u) {
+        EXPECT_LE(cv::norm(seen(v, u) - colorOf(*camera.bearing({u, v})), cv::NORM_INF), 2)
+            << image.name << u << ' ' << v;
+      }
+    }
+  }
+  EXPECT_THROW(exportModel(recorder.snapshot(), Params{}, model_folder, {{"../a.png", "b", "c", "d"}, true}),
+               std::runtime_error);
 }
 
 TEST(ExportModel, UnwritableFolderIsAnError) {
