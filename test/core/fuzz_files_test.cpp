@@ -16,6 +16,7 @@
 #include <random>
 
 #include "base/file_io.hpp"
+#include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "cloud_colorizer/exchange/colmap.hpp"
 #include "cloud_colorizer/exchange/trajectory_file.hpp"
@@ -144,6 +145,11 @@ class FuzzFiles : public testing::Test {
     }
   }
 
+  static void readModel(const std::string& folder) {
+    const ColmapModel model = readColmapModel(folder);
+    require(model.points_error.empty(), model.points_error);
+  }
+
   ScratchDirectory scratch_;
 };
 
@@ -151,7 +157,8 @@ TEST_F(FuzzFiles, Clouds) {
   const long before = peakMemory();
   for (const char* extension : {".ply", ".pcd", ".las"}) {
     const std::string path = scratch_ / (std::string("cloud") + extension);
-    CloudWriter writer(path, 40, cloud().fields, false, {Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(1, 1, 1)});
+    CloudWriter writer(path, 40, cloud().fields, false, {Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(1, 1, 1)},
+                       "EPSG:25832");
     writer.write(cloud());
     writer.finish();
     expectReadOrRefused(path, [&] { readCloud(path); });
@@ -176,8 +183,11 @@ TEST_F(FuzzFiles, Models) {
   for (const char* name : {"a.jpg", "b.jpg"}) model.images.push_back({0, Eigen::Isometry3d::Identity(), name});
   const std::string folder = scratch_ / "model";
   writeColmapModel(folder, model);
-  const auto read = [&] { readColmapModel(folder); };
-  for (const char* file : {"/cameras.txt", "/images.txt"}) expectReadOrRefused(folder + file, read);
+  writeText(folder + "/images.txt", "1 1 0 0 0 0 0 0 1 a.jpg\n10 20 1 30 40 -1\n2 1 0 0 0 0 0 1 1 b.jpg\n10 20.5 1\n");
+  writeText(folder + "/points3D.txt", "# a comment\n1 0.5 0.5 3 9 9 9 0.4 1 0 2 0\n2 0.5 1e3 3 9 9 9 0.4\n");
+  for (const char* file : {"/cameras.txt", "/images.txt", "/points3D.txt"}) {
+    expectReadOrRefused(folder + file, [&] { readModel(folder); });
+  }
 }
 
 TEST_F(FuzzFiles, BinaryModels) {
@@ -200,13 +210,23 @@ TEST_F(FuzzFiles, BinaryModels) {
     images += '\0';
     put(images, std::uint64_t{1});
     for (const double number : {3.0, 4.0}) put(images, number);
-    put(images, std::int64_t{-1});
+    put(images, std::int64_t{7});
   }
+  std::string points;
+  put(points, std::uint64_t{1});
+  put(points, std::uint64_t{7});
+  for (const double number : {1.0, 2.0, 3.0}) put(points, number);
+  points += "rgb";
+  put(points, 0.5);
+  put(points, std::uint64_t{1});
+  put(points, std::uint64_t{1});
   writeText(folder + "/cameras.bin", cameras);
   writeText(folder + "/images.bin", images);
   const long before = peakMemory();
-  const auto read = [&] { readColmapModel(folder); };
-  for (const char* file : {"/cameras.bin", "/images.bin"}) expectReadOrRefused(folder + file, read);
+  writeText(folder + "/points3D.bin", points);
+  for (const char* file : {"/cameras.bin", "/images.bin", "/points3D.bin"}) {
+    expectReadOrRefused(folder + file, [&] { readModel(folder); });
+  }
   EXPECT_LT(peakMemory() - before, 600'000);
 }
 
@@ -228,7 +248,8 @@ TEST_F(FuzzFiles, Recordings) {
     Bytes png;
     cv::imencode(".png", cv::Mat4b(48, 64, cv::Vec4b(1, 2, 3, 255)), png);
     const auto camera = recorder.setCamera("camera_0", {64, 48, 50, 50, 31.5, 23.5, DistortionModel::kPlumbBob, {}});
-    recorder.addView(camera, 1, Eigen::Isometry3d::Identity(), png, "png", cv::Mat1b(48, 64, std::uint8_t{255}));
+    recorder.addView(camera, 1, Eigen::Isometry3d::Identity(), png, "png", cv::Mat1b(48, 64, std::uint8_t{255}),
+                     Twist::Constant(0.01));
     recorder.addScan("lidar", 1, cloud().positions, Eigen::Isometry3d::Identity());
   }
   const auto read = [&] {

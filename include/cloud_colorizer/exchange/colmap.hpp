@@ -33,6 +33,7 @@ struct ColmapModel {
   std::vector<Intrinsics> cameras;
   std::vector<ColmapImage> images;  ///< by ascending image id
   std::vector<ColmapPoint> points;  ///< some thousand of them, to compare with; empty where the model has none
+  std::string points_error;         ///< why the file of points cannot be read; empty: it can, or there is none
   std::string directory;            ///< where it was found
 };
 

@@ -290,6 +290,7 @@ ColmapModel readColmapModel(const std::string& directory) {
     model.images.push_back(std::move(image));
   }
   model.points = pointsOf(entries, place_of_id);
+  model.points_error = entries.points_error;
   return model;
 }
 

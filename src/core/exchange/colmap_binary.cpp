@@ -167,7 +167,11 @@ ColmapEntries readColmapBinary(const std::string& directory) {
   };
   read("cameras.bin", readCameras, true);
   read("images.bin", readImages, true);
-  read("points3D.bin", readPoints, false);
+  try {
+    read("points3D.bin", readPoints, false);
+  } catch (const std::runtime_error& error) {
+    entries.points_error = error.what();
+  }
   read("rigs.bin", readRigs, false);
   read("frames.bin", readFrames, false);
   return entries;

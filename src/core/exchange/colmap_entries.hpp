@@ -56,6 +56,7 @@ struct ColmapEntries {
   std::vector<Rig> rigs;                        ///< since COLMAP 3.12; else empty
   std::vector<Frame> frames;                    ///< their poses count, not those of the images
   std::map<long long, Eigen::Vector3d> points;  ///< by id; those of the sights, and some others
+  std::string points_error;                     ///< why they cannot be read; nothing but a check needs them
 
   static constexpr std::size_t kMostSights = 20;  ///< of an image
   static constexpr std::size_t kMostOtherPoints = 2000;

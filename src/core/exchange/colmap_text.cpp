@@ -160,7 +160,12 @@ ColmapEntries readColmapText(const std::string& directory) {
   ColmapEntries entries;
   readCameras(LineFile(directory + "/cameras.txt"), entries);
   readImages(LineFile(directory + "/images.txt"), entries);
-  if (std::filesystem::exists(directory + "/points3D.txt")) readPoints(LineFile(directory + "/points3D.txt"), entries);
+  try {
+    if (std::filesystem::exists(directory + "/points3D.txt"))
+      readPoints(LineFile(directory + "/points3D.txt"), entries);
+  } catch (const std::runtime_error& error) {
+    entries.points_error = error.what();
+  }
   if (std::filesystem::exists(directory + "/rigs.txt")) readRigs(LineFile(directory + "/rigs.txt"), entries);
   if (std::filesystem::exists(directory + "/frames.txt")) readFrames(LineFile(directory + "/frames.txt"), entries);
   return entries;

@@ -105,6 +105,8 @@ std::string doubtOfPlace(const ColmapModel& model, const Vectors& samples) {
 }
 
 std::string doubtOfPoints(const ColmapModel& model) {
+  if (!model.points_error.empty())
+    return model.points_error + "; whether the model belongs to the cloud is not checked";
   const auto cameras = camerasOf(model);
   std::vector<double> errors;
   for (const ColmapPoint& point : model.points) {
