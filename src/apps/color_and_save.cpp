@@ -83,6 +83,9 @@ ColorizeSummary colorAndSave(const Recording& recording, const CommandLine& line
 }
 
 void requireColored(const ColorizeSummary& summary) {
+  require<NothingColored>(summary.disagreement < kMostDisagreement,
+                          "the map is saved, but its colours cannot be right: the views of a point differ from each "
+                          "other nearly as much as the points do; the warning above tells where to look");
   if (summary.num_colored >= (summary.num_points + 99) / 100) return;
   const std::map<Unseen, const char*> remedies = {
       {Unseen::kOutside, "in no image; are poses, their convention and clock, and the calibration right?"},

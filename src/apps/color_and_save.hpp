@@ -23,7 +23,7 @@ ColorizeSummary colorAndSave(const Recording& recording, const CommandLine& line
                              const std::vector<std::string>& image_names = {});
 
 /// The last word of a program: throws NothingColored, with the main reason and its remedy, when less than a hundredth
-/// of the points could be coloured.
+/// of the points could be coloured, or the views contradict each other too much for any colour to be right.
 void requireColored(const ColorizeSummary& summary);
 
 }  // namespace cloud_colorizer

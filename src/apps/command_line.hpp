@@ -48,7 +48,7 @@ struct UsageError : std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// Nothing, or next to nothing, could be coloured; the message says why and what to do. Exit code 3.
+/// Nothing, or next to nothing, could be coloured, or not rightly; the message says why and what to do. Exit code 3.
 struct NothingColored : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -29,5 +29,14 @@ TEST(ColorAndSave, ANameThatTheFormatCannotHoldIsToldBeforeTheWork) {
   EXPECT_FALSE(std::filesystem::exists(scratch / "map.ply"));
 }
 
+TEST(ColorAndSave, ColoursThatCannotBeRightAreNoSuccess) {
+  ColorizeSummary summary;
+  summary.num_points = summary.num_colored = 1000;
+  summary.disagreement = 0.5;
+  EXPECT_NO_THROW(requireColored(summary));
+  summary.disagreement = 0.8;
+  EXPECT_THROW(requireColored(summary), NothingColored);
+}
+
 }  // namespace
 }  // namespace cloud_colorizer
