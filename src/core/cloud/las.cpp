@@ -165,8 +165,9 @@ Records readRecords(BlockReader& input, std::uint32_t num_records) {
     input.read(content.data(), content.size());
     if (user == "LASF_Spec" && id == 4) records.extra_bytes = std::move(content);
     if (user == "LASF_Projection" && id == kGeoKeys) code = codeOfGeoKeys(content);
-    if (user == "LASF_Projection" && id == kText)
-      records.crs.assign(content.data(), strnlen(content.data(), content.size()));
+    if (user == "LASF_Projection" && id == kText) {
+      records.crs.assign(content.begin(), std::find(content.begin(), content.end(), '\0'));
+    }
   }
   if (records.crs.empty()) records.crs = code;
   return records;
