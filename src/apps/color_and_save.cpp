@@ -21,6 +21,11 @@ const OptionSpec kUndistortOption = {"undistort", "",
                                      "with --write-model: the images as pinhole cameras would take them", false};
 const OptionSpec kSplatsOption = {"splats", "FILE", "the map as Gaussian splats, .ply, at most two million", false};
 
+const OptionSpec kReportOption = {"report", "DIR", "report.html, to look at in a browser, and report.json", false};
+const OptionSpec kFailIfOption = {
+    "fail-if", "NAME<VALUE", "with --report: exit code 4 where it holds for a number of report.json, or NAME>VALUE",
+    false};
+
 void checkOutputs(const CommandLine& line) {
   CloudWriter::checkPath(line.option("output"));
   if (line.has(kSplatsOption.name)) {
@@ -28,6 +33,7 @@ void checkOutputs(const CommandLine& line) {
     if (lowerExtension(splats) != ".ply") throw UsageError("--splats " + splats + ": its extension must be .ply");
     CloudWriter::checkPath(splats);
   }
+  require<UsageError>(!line.has(kFailIfOption.name) || line.has(kReportOption.name), "--fail-if needs --report");
   require<UsageError>(!line.has(kUndistortOption.name) || line.has(kWriteModelOption.name), "--undistort needs --",
                       kWriteModelOption.name, ", the folder of model and images");
   if (!line.has(kWriteModelOption.name)) return;
@@ -55,10 +61,22 @@ void warnOfDisagreement(const ColorizeSummary& summary, const Callbacks& callbac
   callbacks.log(LogLevel::kWarning, text.str());
 }
 
+/// Takes note of the warnings on their way to the user.
+Callbacks notingWarnings(const Callbacks& callbacks, std::vector<std::string>& warnings) {
+  Callbacks noting = callbacks;
+  noting.log = [&callbacks, &warnings](LogLevel level, const std::string& text) {
+    if (level == LogLevel::kWarning) warnings.push_back(text);
+    if (callbacks.log) callbacks.log(level, text);
+  };
+  return noting;
+}
+
 }  // namespace
 
-ColorizeSummary colorAndSave(const Recording& recording, const CommandLine& line, const Callbacks& callbacks,
+ColorizeSummary colorAndSave(const Recording& recording, const CommandLine& line, const Callbacks& user,
                              const std::vector<std::string>& image_names) {
+  RunFacts run;
+  const Callbacks callbacks = notingWarnings(user, run.warnings);
   const std::string output = line.option("output");
   // What the format cannot hold is told before the work.
   {
@@ -79,7 +97,25 @@ ColorizeSummary colorAndSave(const Recording& recording, const CommandLine& line
     exportSplats(recording, line.params, line.option(kSplatsOption.name));
     callbacks.log(LogLevel::kInfo, "saved " + line.option(kSplatsOption.name));
   }
+  if (line.has(kReportOption.name)) {
+    run.summary = summary;
+    saveReport(recording, line, line.option(kReportOption.name), run, callbacks);
+  }
   return summary;
+}
+
+void saveReport(const Recording& recording, const CommandLine& line, const std::string& directory, RunFacts run,
+                const Callbacks& callbacks) {
+  run.program = versionText();
+  const nlohmann::json report = writeReport(recording, line.params, run, directory, callbacks);
+  callbacks.log(LogLevel::kInfo, "saved " + directory + "/report.html");
+  if (!line.has(kFailIfOption.name)) return;
+  const std::string condition = line.option(kFailIfOption.name);
+  try {
+    require<ConditionHolds>(!holds(condition, report), "--fail-if ", condition, " holds");
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(std::string("--fail-if: ") + error.what());
+  }
 }
 
 void requireColored(const ColorizeSummary& summary) {

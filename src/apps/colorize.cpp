@@ -14,7 +14,11 @@ int main(int argc, char** argv) {
   spec.options = {{"output", "FILE", "the coloured map, .ply, .pcd or .las", true},
                   kWriteModelOption,
                   kUndistortOption,
-                  kSplatsOption};
+                  kSplatsOption,
+                  kReportOption,
+                  kFailIfOption,
+                  kReportOption,
+                  kFailIfOption};
   return runMain(argc, argv, spec, [](const CommandLine& line, const Callbacks& callbacks) {
     checkOutputs(line);
     requireColored(colorAndSave(Recording::open(line.positionals[0]), line, callbacks));

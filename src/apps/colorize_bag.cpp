@@ -26,7 +26,11 @@ CommandSpec commandSpec() {
                   {"recording", "DIR", "keep the recording here; `colorize DIR` colours it again", false},
                   kWriteModelOption,
                   kUndistortOption,
-                  kSplatsOption};
+                  kSplatsOption,
+                  kReportOption,
+                  kFailIfOption,
+                  kReportOption,
+                  kFailIfOption};
   spec.other_params = describeCollectorParams(CollectorParams());
   return spec;
 }

@@ -23,7 +23,11 @@ int main(int argc, char** argv) {
       {"recording", "DIR", "keep the recording here instead of in a temporary folder", false},
       kWriteModelOption,
       kUndistortOption,
-      kSplatsOption};
+      kSplatsOption,
+      kReportOption,
+      kFailIfOption,
+      kReportOption,
+      kFailIfOption};
   // A finished map: every point is wanted, and nothing is known about its scale or about where it was measured from.
   spec.defaults.record.voxel_size = 0;
   spec.defaults.depth.max_view_distance = 1e6;

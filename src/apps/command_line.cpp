@@ -240,7 +240,8 @@ std::string helpText(const CommandSpec& spec) {
     std::for_each(params.begin() + kNumMainParams, params.end(), print);
     std::for_each(spec.other_params.begin(), spec.other_params.end(), print);
   }
-  out << "\nExit codes: 0 done, 1 failed, 2 bad command line, 3 nothing or under 1 % coloured, 130 cancelled by "
+  out << "\nExit codes: 0 done, 1 failed, 2 bad command line, 3 nothing or under 1 % coloured, or not rightly, 4 "
+         "--fail-if holds, 130 cancelled by "
          "Ctrl-C.\n";
   return out.str();
 }
@@ -301,6 +302,9 @@ int runMain(int argc, const char* const* argv, const CommandSpec& spec,
   } catch (const NothingColored& error) {
     terminal->log(LogLevel::kError, error.what());
     return 3;
+  } catch (const ConditionHolds& error) {
+    terminal->log(LogLevel::kError, error.what());
+    return 4;
   } catch (const std::exception& error) {
     terminal->log(LogLevel::kError, error.what());
     return 1;

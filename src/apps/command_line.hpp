@@ -53,6 +53,12 @@ struct NothingColored : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What --fail-if asked about is so. Exit code 4.
+struct ConditionHolds : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+
 struct CommandLine {
   std::vector<std::string> positionals;
   std::map<std::string, std::string> options;  ///< by name; a given flag is "true"

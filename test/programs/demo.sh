@@ -8,7 +8,7 @@ out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 BUILD_TESTS=ON FRAMES=8 RVIZ_SECONDS=12 SIMULATE="--preset clean --width 640 --height 400 --azimuths 600" scripts/demo "$out"
 for file in drive.bag truth.ply recording/recording.yaml map.ply closest.ply street.png above.png detail.png \
-  coverage.png rviz.png; do
+  coverage.png rviz.png report.html; do
   [ -s "$out/$file" ] || { echo "$file is missing"; exit 1; }
 done
 # Grey rviz alone compresses to a few kilobytes; a street does not.

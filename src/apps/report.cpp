@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Tells whether a coloured map is good.
+
+#include "apps/color_and_save.hpp"
+#include "cloud_colorizer/map/colorize.hpp"
+
+int main(int argc, char** argv) {
+  using namespace cloud_colorizer;
+  CommandSpec spec;
+  spec.program = "report";
+  spec.summary =
+      "Makes the report of a recording: of its colours with these parameters, which are made first where they are not.";
+  spec.positionals = "RECORDING";
+  spec.min_positionals = spec.max_positionals = 1;
+  spec.options = {{"output", "DIR", "report.html, to look at in a browser, and report.json", true}, kFailIfOption};
+  return runMain(argc, argv, spec, [](const CommandLine& line, const Callbacks& callbacks) {
+    const Recording recording = Recording::open(line.positionals[0]);
+    RunFacts run;
+    run.summary = colorize(recording, line.params, callbacks);
+    saveReport(recording, line, line.option("output"), run, callbacks);
+    requireColored(run.summary);
+  });
+}

@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/map_sample.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "base/progress.hpp"
+#include "cloud/cloud_layout.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+constexpr std::size_t kSteps = 65535;  // of a coordinate
+
+struct Place {
+  FieldType type;
+  std::size_t offset;
+};
+
+/// The first of these fields that the records have.
+std::optional<Place> placeOf(const std::vector<Field>& fields, std::initializer_list<const char*> names) {
+  for (const char* name : names) {
+    std::size_t offset = 0;
+    for (const Field& field : fields) {
+      if (field.name == name) return Place{field.type, offset};
+      offset += sizeOf(field.type) * field.count;
+    }
+  }
+  return std::nullopt;
+}
+
+std::uint8_t byteOf(double value) {
+  return static_cast<std::uint8_t>(std::clamp(std::lround(std::isfinite(value) ? value : 0.0), 0L, 255L));
+}
+
+float percentile(std::vector<float> values, double share) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+std::vector<float> coloredAxisOf(const MapSample& sample, std::size_t axis) {
+  std::vector<float> values;
+  for (std::size_t i = 0; i < sample.size(); ++i) {
+    if (sample.counts[i] > 0) values.push_back(sample.positions[3 * i + axis]);
+  }
+  return values;
+}
+
+template <class T>
+void append(std::string& bytes, const std::vector<T>& values) {
+  bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+}
+
+}  // namespace
+
+Eigen::AlignedBox3f MapSample::coloredBox() const {
+  Eigen::Vector3f low, high;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::vector<float> values = coloredAxisOf(*this, axis);
+    low[static_cast<Eigen::Index>(axis)] = percentile(values, 0.01);
+    high[static_cast<Eigen::Index>(axis)] = percentile(values, 0.99);
+  }
+  return {low, high};
+}
+
+MapSample sampleMap(const Recording& recording, const Params& params, std::size_t num_points, std::size_t most,
+                    const Callbacks& callbacks) {
+  MapSample sample;
+  std::vector<float> intensity;
+  const std::size_t step = std::max<std::size_t>(1, (num_points + most - 1) / std::max<std::size_t>(1, most));
+  std::size_t number = 0;
+  ProgressMeter progress(callbacks, "report", num_points);
+  forEachColoredTile(recording, params, true, [&](const Cloud& tile) {
+    const auto rgb = placeOf(tile.fields, {"rgb"}), count = placeOf(tile.fields, {"view_count"}),
+               deviation = placeOf(tile.fields, {"color_stddev"}), moving = placeOf(tile.fields, {"moving"}),
+               strength = placeOf(tile.fields, {"intensity", "reflectivity", "Intensity", "scalar_Intensity"});
+    const std::size_t size = recordSize(tile.fields);
+    for (Eigen::Index i = 0; i < tile.positions.cols(); ++i, ++number) {
+      if (number % step != 0) continue;
+      const std::uint8_t* record = tile.records.data() + static_cast<std::size_t>(i) * size;
+      const auto number_at = [&](const std::optional<Place>& place) {
+        return place ? numberAt(record + place->offset, place->type) : 0.0;
+      };
+      for (int axis = 0; axis < 3; ++axis) sample.positions.push_back(static_cast<float>(tile.positions(axis, i)));
+      std::uint32_t packed = 0;
+      if (rgb) std::memcpy(&packed, record + rgb->offset, sizeof packed);
+      for (const unsigned shift : {16U, 8U, 0U}) sample.colors.push_back(static_cast<std::uint8_t>(packed >> shift));
+      sample.counts.push_back(byteOf(number_at(count)));
+      sample.deviations.push_back(byteOf(number_at(deviation)));
+      sample.moving.push_back(byteOf(number_at(moving)));
+      if (strength) intensity.push_back(static_cast<float>(number_at(strength)));
+    }
+    progress.add(static_cast<std::size_t>(tile.positions.cols()));
+  });
+  if (intensity.size() == sample.size()) {
+    const float low = percentile(intensity, 0.01), range = percentile(intensity, 0.99) - low;
+    for (const float value : intensity)
+      sample.intensity.push_back(byteOf(255 * (value - low) / std::max(range, 1e-9F)));
+  }
+  return sample;
+}
+
+nlohmann::json packSample(const MapSample& sample, std::string& base64) {
+  Eigen::AlignedBox3f box;
+  for (std::size_t i = 0; i < sample.size(); ++i) box.extend(Eigen::Vector3f(sample.positions.data() + 3 * i));
+  if (box.isEmpty()) box.extend(Eigen::Vector3f(0, 0, 0));
+  const float step = std::max(box.sizes().maxCoeff(), 1e-6F) / static_cast<float>(kSteps);
+  std::vector<std::uint16_t> steps;
+  steps.reserve(sample.positions.size());
+  for (std::size_t i = 0; i < sample.positions.size(); ++i) {
+    steps.push_back(static_cast<std::uint16_t>(
+        std::lround((sample.positions[i] - box.min()[static_cast<Eigen::Index>(i % 3)]) / step)));
+  }
+  std::string bytes;
+  append(bytes, steps);
+  for (const auto* values : {&sample.colors, &sample.counts, &sample.deviations, &sample.moving, &sample.intensity}) {
+    append(bytes, *values);
+  }
+  base64 = base64Of(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+  return {{"count", sample.size()},
+          {"low", {box.min().x(), box.min().y(), box.min().z()}},
+          {"step", step},
+          {"has_intensity", !sample.intensity.empty()}};
+}
+
+std::string base64Of(const std::uint8_t* bytes, std::size_t size) {
+  static const char* const kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((size + 2) / 3 * 4);
+  for (std::size_t i = 0; i < size; i += 3) {
+    std::uint32_t group = static_cast<std::uint32_t>(bytes[i]) << 16U;
+    if (i + 1 < size) group |= static_cast<std::uint32_t>(bytes[i + 1]) << 8U;
+    if (i + 2 < size) group |= bytes[i + 2];
+    for (unsigned digit = 0; digit < 4; ++digit) {
+      text += i + digit > size ? '=' : kDigits[group >> (18U - 6U * digit) & 63U];
+    }
+  }
+  return text;
+}
+
+}  // namespace cloud_colorizer

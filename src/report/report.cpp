@@ -1,0 +1,168 @@
+// SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+
+#include "base/file_io.hpp"
+#include "base/text.hpp"
+#include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/picture/picture.hpp"
+#include "report/facts.hpp"
+#include "report/map_sample.hpp"
+#include "report/page.hpp"
+#include "visibility/moving.hpp"
+
+namespace cloud_colorizer {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMostDrawn = 2'000'000;  // points, of the pictures
+constexpr float kBeforeTheEye = 0.05F;         // of the map's extent: nearer points hide the picture
+constexpr Eigen::Index kPictureBlock = 65536;
+
+/// Those that have a colour, stand still, and are not right before the eye.
+ColoredPoints pointsToDraw(const MapSample& sample, const Eigen::Vector3f& eye, float nearest) {
+  return [&sample, eye, nearest](const std::function<void(PointsRef, ValuesRef)>& visit) {
+    Points points(3, kPictureBlock);
+    Values colors(3, kPictureBlock);
+    Eigen::Index count = 0;
+    const auto give = [&] {
+      if (count > 0) visit(points.leftCols(count), colors.leftCols(count));
+      count = 0;
+    };
+    for (std::size_t i = 0; i < sample.size(); ++i) {
+      const Eigen::Map<const Eigen::Vector3f> point(sample.positions.data() + 3 * i);
+      if (sample.counts[i] == 0 || sample.moving[i] >= kMovingShare || (point - eye).norm() < nearest) continue;
+      points.col(count) = point;
+      for (int c = 0; c < 3; ++c) colors(c, count) = sample.colors[3 * i + static_cast<std::size_t>(c)];
+      if (++count == kPictureBlock) give();
+    }
+    give();
+  };
+}
+
+/// As a data: address.
+std::string pictureOf(const MapSample& sample, const Eigen::Isometry3d& pose, float nearest, double field_of_view,
+                      double point_size) {
+  PictureParams params;
+  params.width = 960;
+  params.height = 540;
+  params.field_of_view = field_of_view;
+  params.point_size = point_size;
+  params.background = {246, 247, 249};
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".jpg", drawPicture(pointsToDraw(sample, pose.translation().cast<float>(), nearest), pose, params),
+               bytes, {cv::IMWRITE_JPEG_QUALITY, 85});
+  return "data:image/jpeg;base64," + base64Of(bytes.data(), bytes.size());
+}
+
+/// From above, and from the place in the middle of the drive.
+json picturesOf(const MapSample& sample, std::size_t num_points, const Recording& recording, const Params& params) {
+  json pictures = json::object();
+  const bool any_colored =
+      std::any_of(sample.counts.begin(), sample.counts.end(), [](auto count) { return count > 0; });
+  if (!any_colored || recording.views().empty()) return pictures;
+  const Eigen::AlignedBox3d box = sample.coloredBox().cast<double>();
+  const Eigen::Vector3d sizes = box.sizes(), center = box.center();
+  const double thinning = std::sqrt(static_cast<double>(num_points) / static_cast<double>(sample.size()));
+  const double cell = std::sqrt(std::max(sizes.x() * sizes.y(), 1e-12) / static_cast<double>(sample.size()));
+  const double spacing = recording.voxelSize() > 0 ? recording.voxelSize() * thinning : cell;
+  const double height = 1.1 * std::max(sizes.x() / 0.8, sizes.y() / 0.45) + sizes.z();
+  const Eigen::Vector3d eye = center + Eigen::Vector3d(0, 0, height);
+  pictures["above"] =
+      pictureOf(sample, lookAt(eye, center, Eigen::Vector3d::UnitY()), 0, 44, 2 * std::max(spacing, cell));
+  const std::vector<Eigen::Isometry3d> poses = usedPoses(recording, params);
+  pictures["camera"] =
+      pictureOf(sample, poses[poses.size() / 2], kBeforeTheEye * static_cast<float>(sizes.norm()), 80, 1.2 * spacing);
+  return pictures;
+}
+
+json pathOf(const Recording& recording, const Params& params) {
+  json path = json::array();
+  const std::vector<Eigen::Isometry3d> poses = usedPoses(recording, params);
+  for (std::size_t v = 0; v < poses.size(); ++v) {
+    const Eigen::Vector3d t = poses[v].translation(), z = poses[v].linear().col(2);
+    path.push_back({recording.views()[v].camera, t.x(), t.y(), t.z(), z.x(), z.y(), z.z()});
+  }
+  return path;
+}
+
+MapSample everyKth(const MapSample& sample, std::size_t most) {
+  const std::size_t step = std::max<std::size_t>(1, (sample.size() + most - 1) / std::max<std::size_t>(1, most));
+  if (step == 1) return sample;
+  MapSample thin;
+  for (std::size_t i = 0; i < sample.size(); i += step) {
+    thin.positions.insert(thin.positions.end(), sample.positions.begin() + static_cast<std::ptrdiff_t>(3 * i),
+                          sample.positions.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
+    thin.colors.insert(thin.colors.end(), sample.colors.begin() + static_cast<std::ptrdiff_t>(3 * i),
+                       sample.colors.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
+    thin.counts.push_back(sample.counts[i]);
+    thin.deviations.push_back(sample.deviations[i]);
+    thin.moving.push_back(sample.moving[i]);
+    if (!sample.intensity.empty()) thin.intensity.push_back(sample.intensity[i]);
+  }
+  return thin;
+}
+
+void replace(std::string& text, const std::string& what, const std::string& by) {
+  const auto at = text.find(what);
+  require(at != std::string::npos, "the page of the report has no place for ", what);
+  text.replace(at, what.size(), by);
+}
+
+/// Nothing in it ends the script that it stands in, or begins another.
+std::string insideScript(const json& value) {
+  std::string text;
+  for (const char c : value.dump(-1, ' ', true, json::error_handler_t::replace)) {
+    c == '<' ? text += "\\u003c" : text += c;
+  }
+  return text;
+}
+
+}  // namespace
+
+json writeReport(const Recording& recording, const Params& params, const RunFacts& run, const std::string& directory,
+                 const Callbacks& callbacks) {
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  require(!error, "cannot create ", directory, ": ", error.message());
+  json facts = collectFacts(recording, params, run);
+  facts["lights"] = lightsOf(facts);
+  const std::size_t drawn = std::max(kMostDrawn, run.max_points);
+  const MapSample sample = sampleMap(recording, params, run.summary.num_points, drawn, callbacks);
+  json page_facts = facts;
+  page_facts["pictures"] = picturesOf(sample, run.summary.num_points, recording, params);
+  page_facts["path"] = pathOf(recording, params);
+  std::string points;
+  page_facts["sample"] = packSample(everyKth(sample, run.max_points), points);
+  std::string page = kPage;
+  replace(page, "@FACTS@", insideScript(page_facts));
+  replace(page, "@POINTS@", points);
+  const std::string text = facts.dump(2, ' ', false, json::error_handler_t::replace) + '\n';
+  writeFileAtomically(directory + "/report.json", text.data(), text.size());
+  writeFileAtomically(directory + "/report.html", page.data(), page.size());
+  return facts;
+}
+
+bool holds(const std::string& condition, const json& report) {
+  using Invalid = std::invalid_argument;
+  const auto at = condition.find_first_of("<>");
+  double limit = 0;
+  require<Invalid>(at != std::string::npos && parseDouble(condition.substr(at + 1), limit), "the condition \"",
+                   condition, "\" must be a name of report.json, < or >, and a number: map.colored_share<0.9");
+  const json* value = &report;
+  for (const std::string& name : splitAt(condition.substr(0, at), '.')) {
+    require<Invalid>(value->is_object() && value->contains(name), "report.json has no ", condition.substr(0, at));
+    value = &(*value)[name];
+  }
+  require<Invalid>(value->is_number(), condition.substr(0, at), " of report.json is no number");
+  return condition[at] == '<' ? value->get<double>() < limit : value->get<double>() > limit;
+}
+
+}  // namespace cloud_colorizer
