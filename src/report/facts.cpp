@@ -199,12 +199,13 @@ json lightsOf(const json& facts) {
                          is_known ? alignment["heldout_error"] : json(), "green below 15, red above 30 (of 255)",
                          "each view predicted from the others, at points that took no part in the alignment",
                          "Better poses, or a better calibration; glass and what moves have their share."));
-  lights.push_back(light("Poses", is_known ? stateOf(alignment["median_shift_of_width"], 0.002, 0.01) : "grey",
-                         is_known ? alignment["median_shift_of_width"] : json(),
-                         "green below 0.2 %, red above 1 % of the image's width",
+  const bool is_suspect = anyWarning(facts, {"calibration", "clock", "time offset"});
+  std::string poses = is_known ? stateOf(alignment["median_shift_of_width"], 0.002, 0.004) : "grey";
+  if (poses == "red" && is_suspect) poses = "yellow";  // it is not the poses
+  lights.push_back(light("Poses", poses.c_str(), is_known ? alignment["median_shift_of_width"] : json(),
+                         "green below 0.2 %, red above 0.4 % of the image's width",
                          "by how much the alignment had to move the images (median)",
                          "The poses or the calibration are off by so much before it: mend them where you can."));
-  const bool is_suspect = anyWarning(facts, {"calibration", "clock", "time offset"});
   lights.push_back(light("Calibration and clocks",
                          is_suspect          ? "red"
                          : alignment["done"] ? "green"
