@@ -13,5 +13,8 @@ expect 0 'saved .*report.html' report "$tmp/recording" --output "$tmp/later"
 expect 4 'map.points>1 holds' report "$tmp/recording" --output "$tmp/later" --fail-if 'map.points>1'
 expect 2 'has no map.point' report "$tmp/recording" --output "$tmp/later" --fail-if 'map.point>1'
 expect 2 'needs --report' colorize "$tmp/recording" --output "$tmp/map.ply" --fail-if 'map.points>1'
+expect 2 'points = 0 must be from 1' report "$tmp/recording" --output "$tmp/later" --points 0
+expect 0 'saved' report "$tmp/recording" --output "$tmp/few" --points 100
+[ "$(stat -c %s "$tmp/few/report.html")" -lt "$(stat -c %s "$tmp/report/report.html")" ] || problem "--points does nothing"
 size=$(stat -c %s "$tmp/report/report.html")
 [ "$size" -lt 15000000 ] || problem "the page has $size bytes"
