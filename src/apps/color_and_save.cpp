@@ -99,6 +99,7 @@ ColorizeSummary colorAndSave(const Recording& recording, const CommandLine& line
   }
   if (line.has(kReportOption.name)) {
     run.summary = summary;
+    run.name = std::filesystem::path(output).filename().string();
     saveReport(recording, line, line.option(kReportOption.name), run, callbacks);
   }
   return summary;

@@ -3,6 +3,8 @@
 
 /// Tells whether a coloured map is good.
 
+#include <filesystem>
+
 #include "apps/color_and_save.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/map/colorize.hpp"
@@ -24,6 +26,8 @@ int main(int argc, char** argv) {
     const int points = line.value<int>("points", static_cast<int>(run.max_points));
     require<UsageError>(points >= 1 && points <= 2'000'000, "option --points = ", points, " must be from 1 to 2000000");
     run.max_points = static_cast<std::size_t>(points);
+    const auto path = std::filesystem::absolute(recording.directory()).lexically_normal();
+    run.name = (path.has_filename() ? path : path.parent_path()).filename().string();  // "drive/" as well
     run.summary = colorize(recording, line.params, callbacks);
     saveReport(recording, line, line.option("output"), run, callbacks);
     requireColored(run.summary);

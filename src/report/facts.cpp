@@ -3,7 +3,6 @@
 #include "report/facts.hpp"
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -14,7 +13,6 @@ namespace cloud_colorizer {
 namespace {
 
 using nlohmann::json;
-namespace fs = std::filesystem;
 
 /// alignment/views.csv as {"columns": [...], "rows": [[...], ...]} without the reasons, whose commas are no borders.
 json readAlignmentViews(const std::string& path) {
@@ -147,7 +145,7 @@ json collectFacts(const Recording& recording, const Params& params, const RunFac
   const std::size_t in_reach = summary.num_points - reason(Unseen::kOutside) - reason(Unseen::kTooFar);
   json facts;
   facts["program"] = run.program;
-  facts["recording"] = fs::path(recording.directory()).filename().string();  // no more of its path
+  facts["name"] = run.name;
   facts["map"] = {{"points", summary.num_points},
                   {"colored", summary.num_colored},
                   {"colored_share", share(summary.num_colored, summary.num_points)},

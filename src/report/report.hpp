@@ -17,6 +17,7 @@ namespace cloud_colorizer {
 struct RunFacts {
   ColorizeSummary summary;
   std::vector<std::string> warnings;
+  std::string name;                  ///< of the map or its recording, without a path
   std::string program;               ///< "colorize_bag 0.2.0"
   std::size_t max_points = 400'000;  ///< of the map in the page
 };

@@ -24,7 +24,7 @@ class Report : public ::testing::Test {
   Report() {
     params_.record.min_range = 0;
     params_.colorize.method = Method::kMean;
-    Recorder recorder(scratch_ / "drive<!--<script>", "map", params_.record);
+    Recorder recorder(scratch_ / "drive", "map", params_.record);
     Cloud cloud;
     cloud.fields = {{"intensity", FieldType::kFloat32, 1}};
     cloud.positions.resize(3, 1600);
@@ -39,11 +39,10 @@ class Report : public ::testing::Test {
     run_.summary = colorize(recorder.snapshot(), params_, {});
     run_.warnings = {"the clock of <b>camera_0</b>", "the clock of <b>camera_0</b>"};
     run_.program = "test";
+    run_.name = "drive<!--<script>";
   }
 
-  json write() {
-    return writeReport(Recording::open(scratch_ / "drive<!--<script>"), params_, run_, scratch_ / "report", {});
-  }
+  json write() { return writeReport(Recording::open(scratch_ / "drive"), params_, run_, scratch_ / "report", {}); }
   std::string textOf(const std::string& name) const {
     const auto bytes = readFile(scratch_ / ("report/" + name));
     return {bytes.begin(), bytes.end()};
@@ -64,7 +63,7 @@ TEST_F(Report, TellsTheNumbersOfTheMap) {
   EXPECT_EQ(report["cameras"][0]["views"], 1);
   EXPECT_EQ(report["parameters_changed"]["method"], "mean");
   EXPECT_EQ(report["warnings"].size(), 1U);  // each once
-  EXPECT_EQ(report["recording"], "drive<!--<script>");
+  EXPECT_EQ(report["name"], "drive<!--<script>");
 }
 
 TEST_F(Report, ThePageStandsAloneAndIsNotEndedByANameInIt) {
@@ -86,7 +85,7 @@ TEST_F(Report, LightsTurnRedByWhatIsWrong) {
     }
     return "";
   };
-  const Recording recording = Recording::open(scratch_ / "drive<!--<script>");
+  const Recording recording = Recording::open(scratch_ / "drive");
   json facts = collectFacts(recording, params_, run_);
   EXPECT_EQ(stateOf(facts, "Calibration and clocks"), "red");
   EXPECT_EQ(stateOf(facts, "Coloured"), "green");
@@ -110,13 +109,13 @@ TEST_F(Report, ConditionsAskForItsNumbers) {
   EXPECT_TRUE(holds("map.points>1599", report));
   EXPECT_FALSE(holds("map.points<1600", report));
   EXPECT_EQ(holds("map.colored_share<0.9", report), run_.summary.num_colored < 1440);
-  for (const char* bad : {"map.points", "map.nothing<1", "map<1", "recording<1", "map.points<x", "<1"}) {
+  for (const char* bad : {"map.points", "map.nothing<1", "map<1", "name<1", "map.points<x", "<1"}) {
     EXPECT_THROW(holds(bad, report), std::invalid_argument) << bad;
   }
 }
 
 TEST_F(Report, TheMapIsThinnedToAsManyPointsAsAreAskedFor) {
-  const Recording recording = Recording::open(scratch_ / "drive<!--<script>");
+  const Recording recording = Recording::open(scratch_ / "drive");
   const MapSample sample = sampleMap(recording, params_, 1600, 500, {});
   EXPECT_EQ(sample.size(), 400U);
   EXPECT_EQ(sample.intensity.size(), 400U);
