@@ -109,7 +109,7 @@ void saveReport(const Recording& recording, const CommandLine& line, const std::
                 const Callbacks& callbacks) {
   run.program = versionText();
   const nlohmann::json report = writeReport(recording, line.params, run, directory, callbacks);
-  callbacks.log(LogLevel::kInfo, "saved " + directory + "/report.html");
+  callbacks.log(LogLevel::kInfo, "saved " + (std::filesystem::path(directory) / "report.html").string());
   if (!line.has(kFailIfOption.name)) return;
   const std::string condition = line.option(kFailIfOption.name);
   try {

@@ -58,7 +58,6 @@ struct ConditionHolds : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-
 struct CommandLine {
   std::vector<std::string> positionals;
   std::map<std::string, std::string> options;  ///< by name; a given flag is "true"
