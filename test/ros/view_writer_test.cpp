@@ -76,8 +76,13 @@ TEST_F(ViewWriterTest, FewImagesAreInWork) {
 TEST_F(ViewWriterTest, AnImageThatCannotBeEncodedCostsItsOwnViewOnly) {
   ViewWriter writer(1, "png", noteKept_);
   addRaw(writer, 1, "no such encoding");
-  addRaw(writer, 2);
-  EXPECT_THROW(writer.writeAll(recorder_), std::exception);
+  // The next one that is added may already meet it.
+  EXPECT_THROW(
+      {
+        addRaw(writer, 2);
+        writer.writeAll(recorder_);
+      },
+      std::exception);
   writer.writeAll(recorder_);
   EXPECT_EQ(recordedStamps(), std::vector<double>{2});
 }

@@ -53,36 +53,18 @@ TEST(Options, TextIsParsedOrRefused) {
 }
 
 TEST(Options, EveryValueOutOfRangeIsRefused) {
-  const std::vector<std::pair<std::string, std::string>> bad = {{"seed", "-1"},
-                                                                {"frames", "0"},
-                                                                {"cameras", "7"},
-                                                                {"rate", "0"},
-                                                                {"speed", "-1"},
-                                                                {"width", "0"},
-                                                                {"height", "9000"},
-                                                                {"pixel-noise", "-1"},
-                                                                {"exposure", "0.9"},
-                                                                {"vignetting", "1"},
-                                                                {"white-balance", "2"},
-                                                                {"jpeg-quality", "0"},
-                                                                {"image-transport", "x"},
-                                                                {"beams", "0"},
-                                                                {"azimuths", "0"},
-                                                                {"lidar-range", "0"},
-                                                                {"range-noise", "-1"},
-                                                                {"pose-noise-m", "-1"},
-                                                                {"pose-noise-deg", "-1"},
-                                                                {"extrinsic-noise-m", "-1"},
-                                                                {"time-offset", "1"},
-                                                                {"voxel-size", "-1"},
-                                                                {"extrinsic-noise-deg", "-1"},
-                                                                {"passes", "0"},
-                                                                {"stand", "-1"},
-                                                                {"van-ahead", "-1"},
-                                                                {"pedestrians", "-1"},
-                                                                {"leaves", "-1"},
-                                                                {"beam-divergence", "-1"},
-                                                                {"drift", "-1"}};
+  const std::vector<std::pair<std::string, std::string>> bad = {
+      {"seed", "-1"},         {"frames", "0"},          {"cameras", "7"},
+      {"rate", "0"},          {"speed", "-1"},          {"width", "0"},
+      {"height", "9000"},     {"pixel-noise", "-1"},    {"exposure", "0.9"},
+      {"vignetting", "1"},    {"white-balance", "2"},   {"jpeg-quality", "0"},
+      {"readout", "1"},       {"image-transport", "x"}, {"beams", "0"},
+      {"azimuths", "0"},      {"lidar-range", "0"},     {"range-noise", "-1"},
+      {"pose-noise-m", "-1"}, {"pose-noise-deg", "-1"}, {"extrinsic-noise-m", "-1"},
+      {"time-offset", "1"},   {"voxel-size", "-1"},     {"extrinsic-noise-deg", "-1"},
+      {"passes", "0"},        {"stand", "-1"},          {"van-ahead", "-1"},
+      {"pedestrians", "-1"},  {"leaves", "-1"},         {"beam-divergence", "-1"},
+      {"drift", "-1"}};
   EXPECT_EQ(bad.size() + 4, describeOptions(Options{}).size());  // all but the three switches and the preset
   for (const auto& [name, value] : bad) {
     Options o;

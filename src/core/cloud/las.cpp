@@ -163,9 +163,11 @@ Records readRecords(BlockReader& input, std::uint32_t num_records) {
     const auto id = at<std::uint16_t>(head, 18);
     std::vector<char> content(at<std::uint16_t>(head, 20));
     input.read(content.data(), content.size());
-    if (user == "LASF_Spec" && id == 4) records.extra_bytes = std::move(content);
-    if (user == "LASF_Projection" && id == kGeoKeys) code = codeOfGeoKeys(content);
-    if (user == "LASF_Projection" && id == kText) {
+    if (user == "LASF_Spec" && id == 4) {
+      records.extra_bytes = std::move(content);
+    } else if (user == "LASF_Projection" && id == kGeoKeys) {
+      code = codeOfGeoKeys(content);
+    } else if (user == "LASF_Projection" && id == kText) {
       records.crs.assign(content.begin(), std::find(content.begin(), content.end(), '\0'));
     }
   }
