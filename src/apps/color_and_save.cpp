@@ -26,6 +26,12 @@ const OptionSpec kFailIfOption = {
     "fail-if", "NAME<VALUE", "with --report: exit code 4 where it holds for a number of report.json, or NAME>VALUE",
     false};
 
+void addOutputOptions(CommandSpec& spec) {
+  for (const OptionSpec& option : {kWriteModelOption, kUndistortOption, kSplatsOption, kReportOption, kFailIfOption}) {
+    spec.options.push_back(option);
+  }
+}
+
 void checkOutputs(const CommandLine& line) {
   CloudWriter::checkPath(line.option("output"));
   if (line.has(kSplatsOption.name)) {

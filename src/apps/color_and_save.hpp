@@ -14,7 +14,10 @@
 
 namespace cloud_colorizer {
 
-extern const OptionSpec kWriteModelOption, kUndistortOption, kSplatsOption, kReportOption, kFailIfOption;
+extern const OptionSpec kWriteModelOption, kFailIfOption;
+
+/// --write-model, --undistort, --splats, --report and --fail-if.
+void addOutputOptions(CommandSpec& spec);
 
 /// Before the work, so that a path that cannot be written is told then and not after it. Makes the model's folder.
 void checkOutputs(const CommandLine& line);

@@ -11,14 +11,8 @@ int main(int argc, char** argv) {
   spec.summary = "Colours a recording and saves the map. What an interrupted run finished is used again.";
   spec.positionals = "RECORDING";
   spec.min_positionals = spec.max_positionals = 1;
-  spec.options = {{"output", "FILE", "the coloured map, .ply, .pcd or .las", true},
-                  kWriteModelOption,
-                  kUndistortOption,
-                  kSplatsOption,
-                  kReportOption,
-                  kFailIfOption,
-                  kReportOption,
-                  kFailIfOption};
+  spec.options = {{"output", "FILE", "the coloured map, .ply, .pcd or .las", true}};
+  addOutputOptions(spec);
   return runMain(argc, argv, spec, [](const CommandLine& line, const Callbacks& callbacks) {
     checkOutputs(line);
     requireColored(colorAndSave(Recording::open(line.positionals[0]), line, callbacks));

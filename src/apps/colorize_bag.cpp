@@ -23,14 +23,8 @@ CommandSpec commandSpec() {
                   kConfigOption,
                   kPosesOption,
                   kPosesFrameOption,
-                  {"recording", "DIR", "keep the recording here; `colorize DIR` colours it again", false},
-                  kWriteModelOption,
-                  kUndistortOption,
-                  kSplatsOption,
-                  kReportOption,
-                  kFailIfOption,
-                  kReportOption,
-                  kFailIfOption};
+                  {"recording", "DIR", "keep the recording here; `colorize DIR` colours it again", false}};
+  addOutputOptions(spec);
   spec.other_params = describeCollectorParams(CollectorParams());
   return spec;
 }

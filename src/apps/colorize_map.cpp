@@ -20,14 +20,8 @@ int main(int argc, char** argv) {
       {"model", "DIR", "folder of a COLMAP model, binary or text (also the folder around its sparse/0)", true},
       {"masks", "DIR", "folder of masks, NAME.png for the image NAME, black where it must not colour", false},
       {"output", "FILE", "the coloured map, .ply, .pcd or .las", true},
-      {"recording", "DIR", "keep the recording here instead of in a temporary folder", false},
-      kWriteModelOption,
-      kUndistortOption,
-      kSplatsOption,
-      kReportOption,
-      kFailIfOption,
-      kReportOption,
-      kFailIfOption};
+      {"recording", "DIR", "keep the recording here instead of in a temporary folder", false}};
+  addOutputOptions(spec);
   // A finished map: every point is wanted, and nothing is known about its scale or about where it was measured from.
   spec.defaults.record.voxel_size = 0;
   spec.defaults.depth.max_view_distance = 1e6;

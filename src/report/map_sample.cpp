@@ -9,28 +9,12 @@
 
 #include "base/progress.hpp"
 #include "cloud/cloud_layout.hpp"
+#include "cloud/intensity.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
 constexpr std::size_t kSteps = 65535;  // of a coordinate
-
-struct Place {
-  FieldType type;
-  std::size_t offset;
-};
-
-/// The first of these fields that the records have.
-std::optional<Place> placeOf(const std::vector<Field>& fields, std::initializer_list<const char*> names) {
-  for (const char* name : names) {
-    std::size_t offset = 0;
-    for (const Field& field : fields) {
-      if (field.name == name) return Place{field.type, offset};
-      offset += sizeOf(field.type) * field.count;
-    }
-  }
-  return std::nullopt;
-}
 
 std::uint8_t byteOf(double value) {
   return static_cast<std::uint8_t>(std::clamp(std::lround(std::isfinite(value) ? value : 0.0), 0L, 255L));
@@ -51,9 +35,17 @@ std::vector<float> coloredAxisOf(const MapSample& sample, std::size_t axis) {
   return values;
 }
 
+/// The `width` values of every `step`-th point.
 template <class T>
-void append(std::string& bytes, const std::vector<T>& values) {
-  bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+void append(std::string& bytes, const std::vector<T>& values, std::size_t width, std::size_t step) {
+  for (std::size_t i = 0; i < values.size(); i += width * step) {
+    bytes.append(reinterpret_cast<const char*>(values.data() + i), width * sizeof(T));
+  }
+}
+
+/// Every so many of `count` things are at most `most`.
+std::size_t stepFor(std::size_t count, std::size_t most) {
+  return std::max<std::size_t>(1, count / most + (count % most > 0 ? 1 : 0));
 }
 
 }  // namespace
@@ -72,19 +64,19 @@ MapSample sampleMap(const Recording& recording, const Params& params, std::size_
                     const Callbacks& callbacks) {
   MapSample sample;
   std::vector<float> intensity;
-  const std::size_t step = std::max<std::size_t>(1, (num_points + most - 1) / std::max<std::size_t>(1, most));
+  const std::size_t step = stepFor(num_points, most);
   std::size_t number = 0;
   ProgressMeter progress(callbacks, "report", num_points);
   forEachColoredTile(recording, params, true, [&](const Cloud& tile) {
-    const auto rgb = placeOf(tile.fields, {"rgb"}), count = placeOf(tile.fields, {"view_count"}),
-               deviation = placeOf(tile.fields, {"color_stddev"}), moving = placeOf(tile.fields, {"moving"}),
-               strength = placeOf(tile.fields, {"intensity", "reflectivity", "Intensity", "scalar_Intensity"});
+    const auto rgb = findField(tile.fields, "rgb"), count = findField(tile.fields, "view_count"),
+               deviation = findField(tile.fields, "color_stddev"), moving = findField(tile.fields, "moving"),
+               strength = findIntensity(tile.fields);
     const std::size_t size = recordSize(tile.fields);
     for (Eigen::Index i = 0; i < tile.positions.cols(); ++i, ++number) {
       if (number % step != 0) continue;
       const std::uint8_t* record = tile.records.data() + static_cast<std::size_t>(i) * size;
-      const auto number_at = [&](const std::optional<Place>& place) {
-        return place ? numberAt(record + place->offset, place->type) : 0.0;
+      const auto number_at = [&](const std::optional<LocatedField>& field) {
+        return field ? numberAt(record + field->offset, field->field.type) : 0.0;
       };
       for (int axis = 0; axis < 3; ++axis) sample.positions.push_back(static_cast<float>(tile.positions(axis, i)));
       std::uint32_t packed = 0;
@@ -105,26 +97,29 @@ MapSample sampleMap(const Recording& recording, const Params& params, std::size_
   return sample;
 }
 
-nlohmann::json packSample(const MapSample& sample, std::string& base64) {
+nlohmann::json packSample(const MapSample& sample, std::string& base64, std::size_t most) {
+  const std::size_t step = stepFor(sample.size(), most);
   Eigen::AlignedBox3f box;
-  for (std::size_t i = 0; i < sample.size(); ++i) box.extend(Eigen::Vector3f(sample.positions.data() + 3 * i));
+  for (std::size_t i = 0; i < sample.size(); i += step) box.extend(Eigen::Vector3f(sample.positions.data() + 3 * i));
   if (box.isEmpty()) box.extend(Eigen::Vector3f(0, 0, 0));
-  const float step = std::max(box.sizes().maxCoeff(), 1e-6F) / static_cast<float>(kSteps);
+  const float grid = std::max(box.sizes().maxCoeff(), 1e-6F) / static_cast<float>(kSteps);
   std::vector<std::uint16_t> steps;
-  steps.reserve(sample.positions.size());
-  for (std::size_t i = 0; i < sample.positions.size(); ++i) {
-    steps.push_back(static_cast<std::uint16_t>(
-        std::lround((sample.positions[i] - box.min()[static_cast<Eigen::Index>(i % 3)]) / step)));
+  for (std::size_t i = 0; i < sample.size(); i += step) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float low = box.min()[static_cast<Eigen::Index>(axis)];
+      steps.push_back(static_cast<std::uint16_t>(std::lround((sample.positions[3 * i + axis] - low) / grid)));
+    }
   }
   std::string bytes;
-  append(bytes, steps);
-  for (const auto* values : {&sample.colors, &sample.counts, &sample.deviations, &sample.moving, &sample.intensity}) {
-    append(bytes, *values);
+  append(bytes, steps, 3, 1);
+  append(bytes, sample.colors, 3, step);
+  for (const auto* values : {&sample.counts, &sample.deviations, &sample.moving, &sample.intensity}) {
+    append(bytes, *values, 1, step);
   }
   base64 = base64Of(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
-  return {{"count", sample.size()},
+  return {{"count", stepFor(sample.size(), step)},
           {"low", {box.min().x(), box.min().y(), box.min().z()}},
-          {"step", step},
+          {"step", grid},
           {"has_intensity", !sample.intensity.empty()}};
 }
 

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -31,7 +32,9 @@ MapSample sampleMap(const Recording& recording, const Params& params, std::size_
 
 /// {"count", "low", "step", "has_intensity"} and the bytes of the points in it, one array after the other, as base64:
 /// uint16 x, y, z in steps from low; red, green, blue; view count, deviation, moving, and intensity if there is any.
-nlohmann::json packSample(const MapSample& sample, std::string& base64);
+/// Every k-th point, so that there are at most `most`.
+nlohmann::json packSample(const MapSample& sample, std::string& base64,
+                          std::size_t most = std::numeric_limits<std::size_t>::max());
 
 std::string base64Of(const std::uint8_t* bytes, std::size_t size);
 

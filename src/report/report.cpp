@@ -63,7 +63,8 @@ std::string pictureOf(const MapSample& sample, const Eigen::Isometry3d& pose, fl
 }
 
 /// From above, and from the place in the middle of the drive.
-json picturesOf(const MapSample& sample, std::size_t num_points, const Recording& recording, const Params& params) {
+json picturesOf(const MapSample& sample, std::size_t num_points, const Recording& recording,
+                const std::vector<Eigen::Isometry3d>& poses) {
   json pictures = json::object();
   const bool any_colored =
       std::any_of(sample.counts.begin(), sample.counts.end(), [](auto count) { return count > 0; });
@@ -77,37 +78,18 @@ json picturesOf(const MapSample& sample, std::size_t num_points, const Recording
   const Eigen::Vector3d eye = center + Eigen::Vector3d(0, 0, height);
   pictures["above"] =
       pictureOf(sample, lookAt(eye, center, Eigen::Vector3d::UnitY()), 0, 44, 2 * std::max(spacing, cell));
-  const std::vector<Eigen::Isometry3d> poses = usedPoses(recording, params);
   pictures["camera"] =
       pictureOf(sample, poses[poses.size() / 2], kBeforeTheEye * static_cast<float>(sizes.norm()), 80, 1.2 * spacing);
   return pictures;
 }
 
-json pathOf(const Recording& recording, const Params& params) {
+json pathOf(const Recording& recording, const std::vector<Eigen::Isometry3d>& poses) {
   json path = json::array();
-  const std::vector<Eigen::Isometry3d> poses = usedPoses(recording, params);
   for (std::size_t v = 0; v < poses.size(); ++v) {
     const Eigen::Vector3d t = poses[v].translation(), z = poses[v].linear().col(2);
     path.push_back({recording.views()[v].camera, t.x(), t.y(), t.z(), z.x(), z.y(), z.z()});
   }
   return path;
-}
-
-MapSample everyKth(const MapSample& sample, std::size_t most) {
-  const std::size_t step = std::max<std::size_t>(1, (sample.size() + most - 1) / std::max<std::size_t>(1, most));
-  if (step == 1) return sample;
-  MapSample thin;
-  for (std::size_t i = 0; i < sample.size(); i += step) {
-    thin.positions.insert(thin.positions.end(), sample.positions.begin() + static_cast<std::ptrdiff_t>(3 * i),
-                          sample.positions.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
-    thin.colors.insert(thin.colors.end(), sample.colors.begin() + static_cast<std::ptrdiff_t>(3 * i),
-                       sample.colors.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
-    thin.counts.push_back(sample.counts[i]);
-    thin.deviations.push_back(sample.deviations[i]);
-    thin.moving.push_back(sample.moving[i]);
-    if (!sample.intensity.empty()) thin.intensity.push_back(sample.intensity[i]);
-  }
-  return thin;
 }
 
 void replace(std::string& text, const std::string& what, const std::string& by) {
@@ -136,11 +118,12 @@ json writeReport(const Recording& recording, const Params& params, const RunFact
   facts["lights"] = lightsOf(facts);
   const std::size_t drawn = std::max(kMostDrawn, run.max_points);
   const MapSample sample = sampleMap(recording, params, run.summary.num_points, drawn, callbacks);
+  const std::vector<Eigen::Isometry3d> poses = usedPoses(recording, params);
   json page_facts = facts;
-  page_facts["pictures"] = picturesOf(sample, run.summary.num_points, recording, params);
-  page_facts["path"] = pathOf(recording, params);
+  page_facts["pictures"] = picturesOf(sample, run.summary.num_points, recording, poses);
+  page_facts["path"] = pathOf(recording, poses);
   std::string points;
-  page_facts["sample"] = packSample(everyKth(sample, run.max_points), points);
+  page_facts["sample"] = packSample(sample, points, run.max_points);
   std::string page = kPage;
   replace(page, "@FACTS@", insideScript(page_facts));
   replace(page, "@POINTS@", points);

@@ -220,10 +220,6 @@ void writeText(const std::string& path, const std::string& text) {
   writeFileAtomically(path, text.data(), text.size());
 }
 
-}  // namespace
-
-namespace {
-
 std::vector<ColmapPoint> pointsOf(const ColmapEntries& entries,
                                   const std::map<long long, std::size_t>& place_of_image) {
   std::vector<ColmapPoint> points;

@@ -6,6 +6,7 @@
 #include "base/file_io.hpp"
 #include "base/parallel.hpp"
 #include "base/position_hash.hpp"
+#include "cloud/intensity.hpp"
 #include "cloud_colorizer/alignment/align.hpp"
 #include "map/fingerprint.hpp"
 #include "map/memory_plan.hpp"
@@ -23,15 +24,6 @@ struct MapSample {
   Surface surface;
   Eigen::VectorXf intensity;  ///< empty where the recording has none
 };
-
-/// Under the names that drivers, CloudCompare and PDAL give it.
-std::optional<LocatedField> findIntensity(const std::vector<Field>& fields) {
-  for (const char* name : {"intensity", "Intensity", "scalar_Intensity", "scalar_intensity", "reflectivity",
-                           "Reflectivity", "scalar_Reflectivity", "i"}) {
-    if (auto field = findField(fields, name)) return field;
-  }
-  return std::nullopt;
-}
 
 /// The same points whatever the chunks and threads: a hash of the position decides.
 MapSample samplePoints(Workspace& work, const Callbacks& callbacks) {
