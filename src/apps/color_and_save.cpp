@@ -80,7 +80,7 @@ Callbacks notingWarnings(const Callbacks& callbacks, std::vector<std::string>& w
 }  // namespace
 
 ColorizeSummary colorAndSave(const Recording& recording, const CommandLine& line, const Callbacks& user,
-                             const std::vector<std::string>& image_names) {
+                             const std::vector<std::string>& image_names, Colorizer& colorizer) {
   RunFacts run;
   const Callbacks callbacks = notingWarnings(user, run.warnings);
   const std::string output = line.option("output");
@@ -89,7 +89,7 @@ ColorizeSummary colorAndSave(const Recording& recording, const CommandLine& line
     const CloudWriter trial(output, 0, coloredFields(recording, line.params), false, {},
                             coloredCrs(recording, line.params));
   }
-  const ColorizeSummary summary = colorize(recording, line.params, callbacks);
+  const ColorizeSummary summary = colorizer(recording, line.params, callbacks);
   callbacks.log(LogLevel::kInfo, summary.describe());
   warnOfDisagreement(summary, callbacks);
   saveColored(recording, line.params, output, callbacks);

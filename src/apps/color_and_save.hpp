@@ -22,9 +22,12 @@ void addOutputOptions(CommandSpec& spec);
 /// Before the work, so that a path that cannot be written is told then and not after it. Makes the model's folder.
 void checkOutputs(const CommandLine& line);
 
-/// Colours the recording and writes what the options ask for. `image_names`: see exportModel().
+using Colorizer = ColorizeSummary(const Recording&, const Params&, const Callbacks&);
+
+/// Colours the recording and writes what the options ask for. `image_names`: see exportModel(); `colorizer`: what
+/// colours it, or takes what was coloured in parts.
 ColorizeSummary colorAndSave(const Recording& recording, const CommandLine& line, const Callbacks& callbacks,
-                             const std::vector<std::string>& image_names = {});
+                             const std::vector<std::string>& image_names = {}, Colorizer& colorizer = colorize);
 
 /// Writes the report of a coloured map, and asks it what --fail-if names. Throws ConditionHolds, or UsageError.
 void saveReport(const Recording& recording, const CommandLine& line, const std::string& directory, RunFacts run,

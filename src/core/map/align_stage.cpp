@@ -8,6 +8,7 @@
 #include "base/position_hash.hpp"
 #include "cloud/intensity.hpp"
 #include "cloud_colorizer/alignment/align.hpp"
+#include "cloud_colorizer/base/check.hpp"
 #include "map/fingerprint.hpp"
 #include "map/memory_plan.hpp"
 #include "map/stages.hpp"
@@ -93,13 +94,9 @@ void writeReport(const DerivedFiles& files, const std::vector<View>& views, cons
   write("report.png", png);
 }
 
-}  // namespace
-
-void alignViews(Workspace& work, const Callbacks& callbacks) {
-  if (!work.params().aligns() || work.restoreCorrections()) return;
+void alignViews(Workspace& work, UnitRange units, const Callbacks& callbacks) {
   const DerivedFiles& files = work.files();
-  files.claim(kAlignmentFolder, alignmentKey(work.recording(), work.params(), work.damagedViews()));
-
+  if (units.size() == 0 || files.readCorrections()) return;
   const Callbacks turns = takingTurns(callbacks);
   const AlignmentInput input = makeInput(work, turns);
   const AlignmentResult result = align(input, work.params().alignment, turns);
@@ -110,11 +107,32 @@ void alignViews(Workspace& work, const Callbacks& callbacks) {
   }
   writeReport(files, input.views, result);
   files.writeCorrections(corrected);
-  work.correctViews(std::move(corrected));
   if (callbacks.log) {
     callbacks.log(LogLevel::kInfo, describe(result));
     for (const std::string& warning : result.warnings) callbacks.log(LogLevel::kWarning, warning);
   }
+}
+
+void useCorrections(Workspace& work, const Callbacks&) {
+  require(work.restoreCorrections(), "the alignment in ", work.recording().directory(),
+          " is not whole; colour it again");
+}
+
+}  // namespace
+
+Stage alignmentStage() {
+  return {"alignment",
+          "map",
+          kAlignmentFolder,
+          {"images", "moving", "surfels"},
+          [](const Workspace& work) {
+            const auto num_views = static_cast<double>(work.usableViews().size());
+            return work.params().aligns() ? std::vector<double>{num_views} : std::vector<double>{};
+          },
+          [](const Workspace& work) { return alignmentKey(work.recording(), work.params(), work.damagedViews()); },
+          [](const Workspace&) { return UnitFiles{{kCorrectionsFile}}; },
+          alignViews,
+          useCorrections};
 }
 
 }  // namespace cloud_colorizer

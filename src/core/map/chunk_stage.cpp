@@ -113,20 +113,39 @@ void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid) {
   }
 }
 
-}  // namespace
+std::vector<Chunk> chunksOf(const Workspace& work) {
+  return planChunks(work.recording().tiles(), work.recording().tileSize(), work.params().chunks);
+}
 
-void colorChunks(Workspace& work, const Callbacks& callbacks) {
+std::vector<double> pointsOfChunks(const Workspace& work) {
+  std::vector<double> points;
+  for (const Chunk& chunk : chunksOf(work)) points.push_back(chunk.num_points_with_halo);
+  return points;
+}
+
+UnitFiles filesOf(const Workspace& work) {
+  UnitFiles files;
+  for (const Chunk& chunk : chunksOf(work)) {
+    files.push_back(work.files().namesOfTiles(chunk.core_tiles, kToneExtension));
+  }
+  return files;
+}
+
+void colorChunks(Workspace& work, UnitRange units, const Callbacks& callbacks) {
   const Recording& recording = work.recording();
   const Params& params = work.params();
-  std::vector<Chunk> chunks = planChunks(recording.tiles(), recording.tileSize(), params.chunks);
+  std::vector<Chunk> chunks = chunksOf(work);
+  chunks = {chunks.begin() + static_cast<std::ptrdiff_t>(units.first),
+            chunks.begin() + static_cast<std::ptrdiff_t>(units.last)};
   // Large ones first, so that no thread is left with one at the end.
   std::stable_sort(chunks.begin(), chunks.end(),
                    [](const Chunk& a, const Chunk& b) { return a.num_points_with_halo > b.num_points_with_halo; });
   const ZOrderGrid grid = globalGrid(recording);
   const DerivedFiles& files = work.files();
-  files.claim(kColorsFolder, colorsKey(recording, params, work.damagedViews(), work.corrections()));
+  std::size_t num_points = 0;
+  for (const Chunk& chunk : chunks) num_points += chunk.num_core_points;
   MemoryBudget memory(static_cast<double>(work.memory().chunks()));
-  ProgressMeter progress(callbacks, "colour", recording.numPoints());
+  ProgressMeter progress(callbacks, "colour", num_points);
   parallelFor(params.colorize.num_threads, chunks.size(), [&](std::size_t c) {
     const auto& tiles = chunks[c].core_tiles;
     const bool todo = !std::all_of(tiles.begin(), tiles.end(), [&](std::size_t tile) { return files.hasColors(tile); });
@@ -136,6 +155,22 @@ void colorChunks(Workspace& work, const Callbacks& callbacks) {
     }
     progress.add(chunks[c].num_core_points, todo);
   });
+}
+
+}  // namespace
+
+Stage colorStage() {
+  return {"chunks",
+          "chunks",
+          kColorsFolder,
+          {"images", "moving", "surfels", "alignment", "depth"},
+          pointsOfChunks,
+          [](const Workspace& work) {
+            return colorsKey(work.recording(), work.params(), work.damagedViews(), work.corrections());
+          },
+          filesOf,
+          colorChunks,
+          {}};
 }
 
 }  // namespace cloud_colorizer

@@ -121,11 +121,9 @@ std::vector<Chunk> planChunks(const std::vector<Tile>& tiles, double tile_size, 
       }
     }
     std::array<TileIds, 2> sides;
-    for (const std::size_t id : ids) sides[tiles[id].index[cut->axis] <= cut->before ? 0 : 1].push_back(id);
+    for (const std::size_t id : ids) sides[tiles[id].index[cut->axis] <= cut->before ? 1 : 0].push_back(id);
     for (TileIds& side : sides) open.push_back(std::move(side));
   }
-  std::sort(chunks.begin(), chunks.end(),
-            [](const Chunk& a, const Chunk& b) { return a.core_tiles.front() < b.core_tiles.front(); });
   return chunks;
 }
 

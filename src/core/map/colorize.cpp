@@ -4,11 +4,17 @@
 
 #include "base/stop_watch.hpp"
 #include "cloud_colorizer/base/check.hpp"
-#include "map/colored_map.hpp"
+#include "map/parts.hpp"
 #include "map/stages.hpp"
+#include "map/summary.hpp"
 
 namespace cloud_colorizer {
-namespace {
+
+const std::vector<Stage>& allStages() {
+  static const std::vector<Stage> kStages = {imageStage(),     movingStage(), surfelStage(),
+                                             alignmentStage(), depthStage(),  colorStage()};
+  return kStages;
+}
 
 void requireColorable(const Recording& recording) {
   require(recording.numPoints() > 0, "recording ", recording.directory(),
@@ -17,26 +23,24 @@ void requireColorable(const Recording& recording) {
           " has no views; were images and camera_info published, and is there tf from the camera to the map?");
 }
 
-}  // namespace
-
 ColorizeSummary colorize(const Recording& recording, const Params& params, const Callbacks& callbacks) {
   StopWatch watch;
   params.check();
   requireColorable(recording);
 
   const FolderLock lock(recording.directory(), true);
-  Workspace work(recording, params);
+  Workspace work(recording, params, true);
   if (params.colorize.memory_limit == 0 && callbacks.log) {
     const auto megabytes = static_cast<long>(work.memory().limit() / 1e6);
     callbacks.log(LogLevel::kInfo, "memory_limit: " + std::to_string(megabytes) + " MB");
   }
-  checkImages(work, callbacks);      // per view: is its image whole
-  findMoving(work, callbacks);       // per tile: what later and earlier scans saw through
-  makeSurfels(work, callbacks);      // per tile: what closes the surface between the points
-  alignViews(work, callbacks);       // all views: exposure and small corrections of the poses
-  makeDepthImages(work, callbacks);  // per view: what it can see of the whole map
-  colorChunks(work, callbacks);      // per chunk: observe, graph, system, solve; eq. (1)-(5)
-
+  for (const Stage& stage : allStages()) {
+    const std::size_t num_units = stage.units(work).size();
+    if (num_units == 0) continue;
+    work.files().claim(stage.folder, stage.key(work));
+    stage.run(work, {0, num_units}, callbacks);
+    if (stage.handOn) stage.handOn(work, callbacks);
+  }
   ColorizeSummary summary = summarize(work);
   summary.seconds = watch.lap();
   return summary;

@@ -29,10 +29,11 @@ void writePixels(const ViewPixels& pixels, const std::string& path) {
 
 }  // namespace
 
-DecodedImages::DecodedImages(const Recording& recording, std::size_t max_bytes)
+DecodedImages::DecodedImages(const Recording& recording, std::size_t max_bytes, const std::string& name, bool alone)
     : recording_(recording),
       max_bytes_(max_bytes),
-      folder_(recording.directory() + "/decoded"),
+      folder_(folderOf(recording) + '/' + name),
+      alone_(alone),
       images_(
           max_bytes, [this](std::size_t view) { return load(view); },
           [](const Decoded& decoded) {
@@ -42,7 +43,7 @@ DecodedImages::DecodedImages(const Recording& recording, std::size_t max_bytes)
 
 DecodedImages::~DecodedImages() {
   std::error_code ignored;
-  if (on_disk_) fs::remove_all(folder_, ignored);
+  if (on_disk_ && alone_) fs::remove_all(folderOf(recording_), ignored);
 }
 
 std::shared_ptr<const ViewPixels> DecodedImages::get(std::size_t view) {
@@ -54,9 +55,10 @@ void DecodedImages::prepareFolder() {
   std::uintmax_t all = 0;
   for (std::size_t view = 0; view < recording_.views().size(); ++view) all += kChannels * numPixels(recording_, view);
   std::error_code error;
-  fs::remove_all(folder_, error);  // of a run that was killed
+  if (alone_) fs::remove_all(folderOf(recording_), error);  // of a run that was killed
   if (all <= max_bytes_ || fs::space(recording_.directory(), error).available / kFreeShare < all || error) return;
-  on_disk_ = fs::create_directory(folder_, error);
+  fs::create_directories(folder_, error);
+  on_disk_ = !error;
 }
 
 DecodedImages::Decoded DecodedImages::load(std::size_t view) {

@@ -14,13 +14,17 @@
 namespace cloud_colorizer {
 
 /// In memory as far as they fit there. Where not all do, and the disk has room, their pixels also go into a folder of
-/// the recording, from which only those that a part of the map falls on are read. Safe to use from several threads.
+/// the recording, from which only those that a part of the map falls on are read. Safe to use from several threads and,
+/// where none is `alone`, from several programs, which share them. `name` tells one version of the images from others.
 class DecodedImages {
  public:
-  DecodedImages(const Recording& recording, std::size_t max_bytes);
-  ~DecodedImages();  ///< removes the folder
+  DecodedImages(const Recording& recording, std::size_t max_bytes, const std::string& name, bool alone);
+  ~DecodedImages();  ///< removes the folder, where alone
   DecodedImages(const DecodedImages&) = delete;
   DecodedImages& operator=(const DecodedImages&) = delete;
+
+  /// Where the pixels of a recording's images are while it is coloured.
+  static std::string folderOf(const Recording& recording) { return recording.directory() + "/decoded"; }
 
   /// As Recording::readPixels(), whose errors it throws.
   std::shared_ptr<const ViewPixels> get(std::size_t view);
@@ -36,7 +40,8 @@ class DecodedImages {
 
   Recording recording_;
   std::size_t max_bytes_;
-  std::string folder_;
+  std::string folder_;  ///< of the pixels
+  bool alone_;
   std::once_flag prepared_;
   bool on_disk_ = false;
   LruCache<Decoded> images_;

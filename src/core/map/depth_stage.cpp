@@ -24,18 +24,42 @@ DepthImage renderDepth(Workspace& work, std::size_t view, const Eigen::Isometry3
   return splatter.finish();
 }
 
-void makeDepthImages(Workspace& work, const Callbacks& callbacks) {
+namespace {
+
+std::vector<double> unitsOf(const Workspace& work) {
+  return std::vector<double>(work.usableViews().size(), 1.0);
+}
+
+UnitFiles filesOf(const Workspace& work) {
+  UnitFiles files;
+  for (const std::size_t view : work.usableViews()) files.push_back({DerivedFiles::nameOfView(view)});
+  return files;
+}
+
+void makeDepthImages(Workspace& work, UnitRange units, const Callbacks& callbacks) {
   const DerivedFiles& files = work.files();
-  files.claim(kDepthFolder, depthKey(work.recording(), work.params(), work.corrections()));
-  const std::vector<std::size_t>& views = work.usableViews();
   const Callbacks turns = takingTurns(callbacks);
-  ProgressMeter progress(turns, "depth images", views.size());
-  parallelFor(work.params().colorize.num_threads, views.size(), [&](std::size_t k) {
-    const std::size_t view = views[k];
+  ProgressMeter progress(turns, "depth images", units.size());
+  parallelFor(work.params().colorize.num_threads, units.size(), [&](std::size_t k) {
+    const std::size_t view = work.usableViews()[units.first + k];
     const bool todo = !files.hasDepth(view);
     if (todo) files.writeDepth(view, renderDepth(work, view, work.corrections()[view].map_from_camera, turns));
     progress.add(1, todo);
   });
+}
+
+}  // namespace
+
+Stage depthStage() {
+  return {"depth",
+          "views",
+          kDepthFolder,
+          {"images", "moving", "surfels", "alignment"},
+          unitsOf,
+          [](const Workspace& work) { return depthKey(work.recording(), work.params(), work.corrections()); },
+          filesOf,
+          makeDepthImages,
+          {}};
 }
 
 }  // namespace cloud_colorizer

@@ -5,8 +5,13 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <filesystem>
+#include <numeric>
+#include <thread>
 
+#include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "map/blob.hpp"
@@ -17,22 +22,40 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kViews = "/views.bin";
-constexpr const char* kTone = ".tone";
+const std::string kCorrections = std::string(kAlignmentFolder) + '/' + kCorrectionsFile;
+constexpr std::size_t kViewsPerBlock = 64;
 /// Bytes of a point's colour, count, deviation and reason.
 constexpr std::size_t kColorBytes = 4 * sizeof(float) + sizeof(std::uint16_t) + 1;
 
 }  // namespace
 
 FolderLock::FolderLock(const std::string& directory, bool exclusive) {
+  open(directory, exclusive);
+  require(!file_ || file_->tryLock(exclusive), "another program is colouring or saving ", directory,
+          "; wait for it, or work on a copy of the recording");
+}
+
+FolderLock::FolderLock(const std::string& directory, bool exclusive, const Callbacks& callbacks) {
+  constexpr std::chrono::milliseconds kPause(20), kPatience(2000);
+  open(directory, exclusive);
+  auto silent = kPatience;
+  while (file_ && !file_->tryLock(exclusive)) {
+    throwIfCancelled(callbacks);
+    if (silent.count() == 0 && callbacks.log) {
+      callbacks.log(LogLevel::kInfo, "waiting for another program that works on " + directory);
+    }
+    silent -= kPause;
+    std::this_thread::sleep_for(kPause);
+  }
+}
+
+void FolderLock::open(const std::string& directory, bool exclusive) {
   const std::string path = directory + "/colorize.lock";
   if (!exclusive && fs::exists(path)) {
     file_.emplace(path, O_RDONLY);
   } else if (exclusive || ::access(directory.c_str(), W_OK) == 0) {
     file_.emplace(path, O_RDWR | O_CREAT);
   }
-  require(!file_ || file_->tryLock(exclusive), "another program is colouring or saving ", directory,
-          "; wait for it, or work on a copy of the recording");
 }
 
 void DerivedFiles::claim(const std::string& folder, const std::string& key) const {
@@ -49,8 +72,20 @@ bool DerivedFiles::holds(const std::string& folder, const std::string& key) cons
   return std::string(found.begin(), found.end()) == key;
 }
 
-std::string DerivedFiles::tileFile(const char* folder, std::size_t tile, const char* extension) const {
-  return pathOf(std::string(folder) + '/' + tileName(recording_.tiles()[tile].index) + extension);
+std::string DerivedFiles::nameOfTile(std::size_t tile, const char* extension) const {
+  return tileName(recording_.tiles()[tile].index) + extension;
+}
+
+std::vector<std::string> DerivedFiles::namesOfTiles(const std::vector<std::size_t>& tiles, const char* second) const {
+  std::vector<std::string> names;
+  for (const std::size_t tile : tiles) {
+    for (const char* extension : {".bin", second}) names.push_back(nameOfTile(tile, extension));
+  }
+  return names;
+}
+
+std::string DerivedFiles::nameOfView(std::size_t view) {
+  return sixDigits(view) + ".bin";
 }
 
 // The key does not tell how many points the tile had; the size of the file does.
@@ -71,7 +106,7 @@ std::vector<std::uint8_t> DerivedFiles::readMoving(std::size_t tile) const {
 }
 
 bool DerivedFiles::hasColors(std::size_t tile) const {
-  return readWholeBlob(tileFile(kColorsFolder, tile, kTone)).has_value() &&
+  return readWholeBlob(tileFile(kColorsFolder, tile, kToneExtension)).has_value() &&
          isWholeBlob(tileFile(kColorsFolder, tile), kColorBytes * recording_.tiles()[tile].num_points);
 }
 
@@ -89,7 +124,7 @@ void DerivedFiles::writeColors(std::size_t tile, const TileColors& colors, const
       cells.add(&number, 1);
     }
   }
-  cells.save(tileFile(kColorsFolder, tile, kTone));
+  cells.save(tileFile(kColorsFolder, tile, kToneExtension));
   blob.add(colors.values);
   blob.add(colors.count);
   blob.add(colors.stddev);
@@ -110,7 +145,7 @@ TileColors DerivedFiles::readColors(std::size_t tile) const {
 }
 
 ToneCells DerivedFiles::readTone(std::size_t tile) const {
-  BlobReader blob(tileFile(kColorsFolder, tile, kTone));
+  BlobReader blob(tileFile(kColorsFolder, tile, kToneExtension));
   ToneCells cells;
   for (auto left = blob.read<std::uint32_t>(); left > 0; --left) {
     ToneCell cell{};
@@ -137,13 +172,13 @@ void DerivedFiles::writeCorrections(const std::vector<CorrectedView>& views) con
     blob.add(view.exposure.offset);
     blob.add(view.exposure.vignetting);
   }
-  blob.save(pathOf(kAlignmentFolder + kViews));
+  blob.save(pathOf(kCorrections));
 }
 
 std::optional<std::vector<CorrectedView>> DerivedFiles::readCorrections() const {
-  auto bytes = readWholeBlob(pathOf(kAlignmentFolder + kViews));
+  auto bytes = readWholeBlob(pathOf(kCorrections));
   if (!bytes) return std::nullopt;
-  BlobReader blob(pathOf(kAlignmentFolder + kViews), std::move(bytes));
+  BlobReader blob(pathOf(kCorrections), std::move(bytes));
   std::vector<CorrectedView> views(recording_.views().size());
   for (CorrectedView& view : views) {
     blob.read(view.map_from_camera.matrix());
@@ -157,18 +192,29 @@ std::optional<std::vector<CorrectedView>> DerivedFiles::readCorrections() const 
   return views;
 }
 
-void DerivedFiles::writeDamagedViews(const ViewList& views) const {
-  BlobWriter blob;
-  blob.add(views);
-  blob.save(pathOf(kImageCheckFolder + kViews));
+std::size_t DerivedFiles::numViewBlocks() const {
+  return (recording_.views().size() + kViewsPerBlock - 1) / kViewsPerBlock;
 }
 
-std::optional<ViewList> DerivedFiles::readDamagedViews() const {
-  auto bytes = readWholeBlob(pathOf(kImageCheckFolder + kViews));
-  if (!bytes) return std::nullopt;
-  ViewList views(bytes->size() / sizeof(views[0]));
-  BlobReader(pathOf(kImageCheckFolder + kViews), std::move(bytes)).read(views);
+ViewList DerivedFiles::viewsOfBlock(std::size_t block) const {
+  ViewList views(std::min(kViewsPerBlock, recording_.views().size() - block * kViewsPerBlock));
+  std::iota(views.begin(), views.end(), static_cast<std::uint32_t>(block * kViewsPerBlock));
   return views;
+}
+
+void DerivedFiles::writeDamagedViews(std::size_t block, const ViewList& damaged) const {
+  BlobWriter blob;
+  blob.add(damaged);
+  blob.save(pathOf(inFolder(kImageCheckFolder, block)));
+}
+
+std::optional<ViewList> DerivedFiles::readDamagedViews(std::size_t block) const {
+  const std::string path = pathOf(inFolder(kImageCheckFolder, block));
+  auto bytes = readWholeBlob(path);
+  if (!bytes) return std::nullopt;
+  ViewList damaged(bytes->size() / sizeof(damaged[0]));
+  BlobReader(path, std::move(bytes)).read(damaged);
+  return damaged;
 }
 
 }  // namespace cloud_colorizer

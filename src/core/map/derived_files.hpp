@@ -27,6 +27,10 @@ constexpr const char* kAlignmentFolder = "alignment";
 constexpr const char* kDepthFolder = "depth";
 constexpr const char* kColorsFolder = "colored";
 
+constexpr const char* kCorrectionsFile = "views.bin";  // in the alignment's folder
+constexpr const char* kThinnedExtension = ".thinned";  // of a tile's second file of surfels
+constexpr const char* kToneExtension = ".tone";        // of a tile's second file of colours
+
 /// Colours of one tile, one column a point.
 struct TileColors {
   Values values;                     ///< 3 x n, radiance in grey levels of 8 bits, not negative; 0 where count is 0
@@ -45,13 +49,18 @@ struct ThinnedLevel {
 /// Indices of views, ascending.
 using ViewList = std::vector<std::uint32_t>;
 
-/// One program at a time colours a recording (exclusive); several may read its colours, also where they may not write.
+/// One program at a time colours a recording (exclusive), or several do parts of a stage each (shared); several may
+/// read its colours, also where they may not write.
 class FolderLock {
  public:
   /// Throws where another program holds the lock.
   FolderLock(const std::string& directory, bool exclusive);
+  /// Waits as long as other programs hold it, and asks `callbacks` whether to go on; throws Cancelled.
+  FolderLock(const std::string& directory, bool exclusive, const Callbacks& callbacks);
 
  private:
+  void open(const std::string& directory, bool exclusive);
+
   std::optional<File> file_;  ///< none in a directory that nobody has coloured and this program may not write to
 };
 
@@ -67,6 +76,10 @@ class DerivedFiles {
   void claim(const std::string& folder, const std::string& key) const;
   bool holds(const std::string& folder, const std::string& key) const;
   std::string pathOf(const std::string& name) const { return recording_.directory() + '/' + name; }
+  std::string nameOfTile(std::size_t tile, const char* extension = ".bin") const;  ///< of its file in any folder
+  /// Of the two files that each tile has, the second one with that extension.
+  std::vector<std::string> namesOfTiles(const std::vector<std::size_t>& tiles, const char* second) const;
+  static std::string nameOfView(std::size_t view);  ///< or of a block of views
 
   bool hasMoving(std::size_t tile) const;
   void writeMoving(std::size_t tile, const std::vector<std::uint8_t>& shares) const;
@@ -90,12 +103,19 @@ class DerivedFiles {
 
   void writeCorrections(const std::vector<CorrectedView>& views) const;
   std::optional<std::vector<CorrectedView>> readCorrections() const;  ///< nothing where they are not whole
-  void writeDamagedViews(const ViewList& views) const;
-  std::optional<ViewList> readDamagedViews() const;  ///< nothing where the list is not whole
+  /// Views are looked at block by block, in the order of time.
+  std::size_t numViewBlocks() const;
+  ViewList viewsOfBlock(std::size_t block) const;
+  void writeDamagedViews(std::size_t block, const ViewList& damaged) const;
+  std::optional<ViewList> readDamagedViews(std::size_t block) const;  ///< nothing where the list is not whole
 
  private:
-  std::string tileFile(const char* folder, std::size_t tile, const char* extension = ".bin") const;
-  std::string depthFile(std::size_t view) const;
+  std::string tileFile(const char* folder, std::size_t tile, const char* extension = ".bin") const {
+    return pathOf(std::string(folder) + '/' + nameOfTile(tile, extension));
+  }
+  static std::string inFolder(const char* folder, std::size_t number) {
+    return std::string(folder) + '/' + nameOfView(number);
+  }
 
   Recording recording_;
 };

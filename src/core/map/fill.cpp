@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "map/fill.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include "base/columns.hpp"
-#include "map/colored_map.hpp"
 #include "recording/tile_range.hpp"
 #include "surface/kdtree.hpp"
 

@@ -83,6 +83,12 @@ std::string visibilityKey(const Recording& recording, const Params& params) {
 
 }  // namespace
 
+std::string shortName(const std::string& key) {
+  std::ostringstream text;
+  text << std::hex << Hash().add(key).value();
+  return text.str();
+}
+
 std::string imageFilesKey(const Recording& recording) {
   Hash hash;
   for (const View& view : recording.views()) {

@@ -16,6 +16,9 @@ namespace cloud_colorizer {
 /// Whether the parameters ask for what moved, and the recording has scans that tell it.
 bool findsMoving(const Recording& recording, const Params& params);
 
+/// A short name for what is made from a key.
+std::string shortName(const std::string& key);
+
 // What the files in each folder were made from. `damaged`: the views that are left out; `views`: how each is used.
 std::string imageFilesKey(const Recording& recording);
 std::string movingKey(const Recording& recording, const Params& params);

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <stdexcept>
 
 #include "base/parallel.hpp"
@@ -21,36 +22,64 @@ std::string faultOf(Workspace& work, std::size_t view) {
   }
 }
 
-ViewList findDamagedViews(Workspace& work, const Callbacks& callbacks) {
-  const std::size_t num_views = work.recording().views().size();
-  std::vector<char> is_damaged(num_views);
-  ProgressMeter progress(callbacks, "check images", num_views);
-  parallelFor(work.params().colorize.num_threads, num_views, [&](std::size_t view) {
-    is_damaged[view] = !faultOf(work, view).empty();
-    progress.add(1);
-  });
+std::vector<double> unitsOf(const Workspace& work) {
+  std::vector<double> units(work.files().numViewBlocks());
+  for (std::size_t block = 0; block < units.size(); ++block) {
+    units[block] = static_cast<double>(work.files().viewsOfBlock(block).size());
+  }
+  return units;
+}
+
+UnitFiles filesOf(const Workspace& work) {
+  UnitFiles files;
+  for (std::size_t block = 0; block < work.files().numViewBlocks(); ++block) {
+    files.push_back({DerivedFiles::nameOfView(block)});
+  }
+  return files;
+}
+
+ViewList findDamaged(Workspace& work, std::size_t block, ProgressMeter& progress) {
   ViewList damaged;
-  for (std::uint32_t view = 0; view < num_views; ++view) {
-    if (is_damaged[view]) damaged.push_back(view);
+  for (const std::uint32_t view : work.files().viewsOfBlock(block)) {
+    if (!faultOf(work, view).empty()) damaged.push_back(view);
+    progress.add(1);
   }
   return damaged;
 }
 
-}  // namespace
-
-void checkImages(Workspace& work, const Callbacks& callbacks) {
-  if (!work.restoreDamagedViews()) {
-    ViewList damaged = findDamagedViews(work, callbacks);
-    work.files().claim(kImageCheckFolder, imageFilesKey(work.recording()));
-    work.files().writeDamagedViews(damaged);
-    work.leaveOut(std::move(damaged));
+void checkImages(Workspace& work, UnitRange blocks, const Callbacks& callbacks) {
+  const DerivedFiles& files = work.files();
+  std::vector<std::size_t> todo;
+  std::size_t num_views = 0;
+  for (std::size_t block = blocks.first; block < blocks.last; ++block) {
+    if (files.readDamagedViews(block)) continue;
+    todo.push_back(block);
+    num_views += files.viewsOfBlock(block).size();
   }
+  if (todo.empty()) return;
+  ProgressMeter progress(callbacks, "check images", num_views);
+  parallelFor(work.params().colorize.num_threads, todo.size(),
+              [&](std::size_t k) { files.writeDamagedViews(todo[k], findDamaged(work, todo[k], progress)); });
+}
+
+/// Leaves the damaged ones out, and names them in the log.
+void leaveOutDamaged(Workspace& work, const Callbacks& callbacks) {
+  require(work.restoreDamagedViews(), "what was found of the images of ", work.recording().directory(),
+          " is not whole; colour it again");
   for (const std::uint32_t view : work.damagedViews()) {
     const std::string fault = faultOf(work, view);
     require(!work.usableViews().empty(), "no image of the recording ", work.recording().directory(),
             " can be used: ", fault);
     if (callbacks.log) callbacks.log(LogLevel::kWarning, "a view is left out: " + fault);
   }
+}
+
+}  // namespace
+
+Stage imageStage() {
+  return {"images", "blocks of views", kImageCheckFolder,
+          {},       unitsOf,           [](const Workspace& work) { return imageFilesKey(work.recording()); },
+          filesOf,  checkImages,       leaveOutDamaged};
 }
 
 }  // namespace cloud_colorizer

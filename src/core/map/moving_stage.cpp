@@ -35,19 +35,41 @@ std::vector<std::uint8_t> vote(Workspace& work, std::size_t tile) {
   return votes.shares();
 }
 
-}  // namespace
+std::vector<double> unitsOf(const Workspace& work) {
+  std::vector<double> units;
+  if (!findsMoving(work.recording(), work.params())) return units;
+  for (const Tile& tile : work.recording().tiles()) units.push_back(static_cast<double>(tile.num_points));
+  return units;
+}
 
-void findMoving(Workspace& work, const Callbacks& callbacks) {
-  const Recording& recording = work.recording();
-  if (!findsMoving(recording, work.params())) return;
+UnitFiles filesOf(const Workspace& work) {
+  UnitFiles files;
+  for (std::size_t tile = 0; tile < work.recording().tiles().size(); ++tile) {
+    files.push_back({work.files().nameOfTile(tile)});
+  }
+  return files;
+}
+
+void findMoving(Workspace& work, UnitRange units, const Callbacks& callbacks) {
+  const std::vector<Tile>& tiles = work.recording().tiles();
   const DerivedFiles& files = work.files();
-  files.claim(kMovingFolder, movingKey(recording, work.params()));
-  ProgressMeter progress(callbacks, "moving things", recording.numPoints());
-  parallelFor(work.params().colorize.num_threads, recording.tiles().size(), [&](std::size_t tile) {
+  std::size_t num_points = 0;
+  for (std::size_t tile = units.first; tile < units.last; ++tile) num_points += tiles[tile].num_points;
+  ProgressMeter progress(callbacks, "moving things", num_points);
+  parallelFor(work.params().colorize.num_threads, units.size(), [&](std::size_t k) {
+    const std::size_t tile = units.first + k;
     const bool todo = !files.hasMoving(tile);
     if (todo) files.writeMoving(tile, vote(work, tile));
-    progress.add(recording.tiles()[tile].num_points, todo);
+    progress.add(tiles[tile].num_points, todo);
   });
+}
+
+}  // namespace
+
+Stage movingStage() {
+  return {"moving", "tiles",    kMovingFolder,
+          {},       unitsOf,    [](const Workspace& work) { return movingKey(work.recording(), work.params()); },
+          filesOf,  findMoving, {}};
 }
 
 }  // namespace cloud_colorizer

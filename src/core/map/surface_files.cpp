@@ -9,7 +9,6 @@
 namespace cloud_colorizer {
 namespace {
 
-constexpr const char* kThinned = ".thinned";
 /// Bytes of a point's normal, radius, offset and thickness; with its position.
 constexpr std::size_t kSurfelBytes = 6 * sizeof(float), kSurfaceBytes = 9 * sizeof(float);
 
@@ -50,7 +49,7 @@ void addSurfelsTo(BlobWriter& blob, const Surfels& surfels) {
 
 bool DerivedFiles::hasSurfels(std::size_t tile) const {
   return isWholeBlob(tileFile(kSurfelsFolder, tile), kSurfelBytes * recording_.tiles()[tile].num_points) &&
-         readWholeBlob(tileFile(kSurfelsFolder, tile, kThinned)).has_value();
+         readWholeBlob(tileFile(kSurfelsFolder, tile, kThinnedExtension)).has_value();
 }
 
 void DerivedFiles::writeSurfels(std::size_t tile, const Surfels& surfels,
@@ -66,7 +65,7 @@ void DerivedFiles::writeSurfels(std::size_t tile, const Surfels& surfels,
     thinned.add(level.surface.points);
     addSurfelsTo(thinned, level.surface.surfels);
   }
-  thinned.save(tileFile(kSurfelsFolder, tile, kThinned));
+  thinned.save(tileFile(kSurfelsFolder, tile, kThinnedExtension));
   addSurfelsTo(blob, surfels);
   blob.save(tileFile(kSurfelsFolder, tile));
 }
@@ -79,7 +78,7 @@ Surfels DerivedFiles::readSurfels(std::size_t tile) const {
 }
 
 std::vector<ThinnedLevel> DerivedFiles::thinnedLevels(std::size_t tile) const {
-  BlobPieces blob(tileFile(kSurfelsFolder, tile, kThinned));
+  BlobPieces blob(tileFile(kSurfelsFolder, tile, kThinnedExtension));
   std::uint32_t count = 0;
   blob.read(&count, 1);
   std::vector<LevelHead> heads(count);
@@ -95,18 +94,14 @@ std::vector<ThinnedLevel> DerivedFiles::thinnedLevels(std::size_t tile) const {
 
 Surface DerivedFiles::readThinned(std::size_t tile, const ThinnedLevel& level) const {
   Surface surface = surfaceOf(static_cast<Eigen::Index>(level.num_points));
-  BlobPieces blob(tileFile(kSurfelsFolder, tile, kThinned), level.offset);
+  BlobPieces blob(tileFile(kSurfelsFolder, tile, kThinnedExtension), level.offset);
   blob.read(surface.points);
   readSurfelsFrom(blob, surface.surfels);
   return surface;
 }
 
-std::string DerivedFiles::depthFile(std::size_t view) const {
-  return pathOf(std::string(kDepthFolder) + '/' + sixDigits(view) + ".bin");
-}
-
 bool DerivedFiles::hasDepth(std::size_t view) const {
-  return readWholeBlob(depthFile(view)).has_value();
+  return readWholeBlob(pathOf(inFolder(kDepthFolder, view))).has_value();
 }
 
 void DerivedFiles::writeDepth(std::size_t view, const DepthImage& image) const {
@@ -115,11 +110,11 @@ void DerivedFiles::writeDepth(std::size_t view, const DepthImage& image) const {
   blob.add(&head, 1);
   blob.add(image.depth.ptr<float>(), image.depth.total());
   blob.add(image.edge.ptr<std::uint8_t>(), image.edge.total());
-  blob.save(depthFile(view));
+  blob.save(pathOf(inFolder(kDepthFolder, view)));
 }
 
 DepthImage DerivedFiles::readDepth(std::size_t view) const {
-  const std::string path = depthFile(view);
+  const std::string path = pathOf(inFolder(kDepthFolder, view));
   DepthHead head{};
   File(path, O_RDONLY).readAt(0, &head, sizeof(head));
   const std::size_t cells = static_cast<std::size_t>(head.rows) * static_cast<std::size_t>(head.cols);

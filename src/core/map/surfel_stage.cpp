@@ -131,20 +131,39 @@ void markMoving(const std::vector<std::uint8_t>& shares, Surfels& surfels) {
   }
 }
 
-}  // namespace
-
-void makeSurfels(Workspace& work, const Callbacks& callbacks) {
-  const Recording& recording = work.recording();
-  const DerivedFiles& files = work.files();
-  files.claim(kSurfelsFolder, surfelsKey(recording, work.params()));
-  ProgressMeter progress(callbacks, "surfels", recording.numPoints());
-  TilePoints source(recording, work.memory().surfaces());
+std::vector<Unit> unitsOf(const Recording& recording) {
   Unit all(recording.tiles().size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   std::vector<Unit> units;
   addUnits(recording, all, tilesPerBlock(recording), units);
-  parallelFor(work.params().colorize.num_threads, units.size(), [&](std::size_t u) {
-    const Unit& unit = units[u];
+  return units;
+}
+
+std::vector<double> pointsOfUnits(const Workspace& work) {
+  std::vector<double> points;
+  for (const Unit& unit : unitsOf(work.recording())) {
+    points.push_back(static_cast<double>(countPoints(work.recording().tiles(), unit)));
+  }
+  return points;
+}
+
+UnitFiles filesOf(const Workspace& work) {
+  UnitFiles files;
+  for (const Unit& unit : unitsOf(work.recording()))
+    files.push_back(work.files().namesOfTiles(unit, kThinnedExtension));
+  return files;
+}
+
+void makeSurfels(Workspace& work, UnitRange range, const Callbacks& callbacks) {
+  const Recording& recording = work.recording();
+  const DerivedFiles& files = work.files();
+  const std::vector<Unit> units = unitsOf(recording);
+  std::size_t num_points = 0;
+  for (std::size_t u = range.first; u < range.last; ++u) num_points += countPoints(recording.tiles(), units[u]);
+  ProgressMeter progress(callbacks, "surfels", num_points);
+  TilePoints source(recording, work.memory().surfaces());
+  parallelFor(work.params().colorize.num_threads, range.size(), [&](std::size_t k) {
+    const Unit& unit = units[range.first + k];
     const bool todo = !std::all_of(unit.begin(), unit.end(), [&](std::size_t tile) { return files.hasSurfels(tile); });
     const ZOrderGrid grid = gridOf(recording, unit);
     const Surfels surfels = todo ? surfelsOf(recording, unit, grid, source, work.params().surfels) : Surfels{};
@@ -161,6 +180,15 @@ void makeSurfels(Workspace& work, const Callbacks& callbacks) {
       progress.add(static_cast<std::size_t>(count), todo);
     }
   });
+}
+
+}  // namespace
+
+Stage surfelStage() {
+  return {
+      "surfels",  "blocks of tiles", kSurfelsFolder,
+      {"moving"}, pointsOfUnits,     [](const Workspace& work) { return surfelsKey(work.recording(), work.params()); },
+      filesOf,    makeSurfels,       {}};
 }
 
 }  // namespace cloud_colorizer

@@ -27,7 +27,7 @@ std::size_t bytesOf(const DepthImage& image) {
 
 }  // namespace
 
-Workspace::Workspace(const Recording& recording, const Params& params)
+Workspace::Workspace(const Recording& recording, const Params& params, bool alone)
     : recording_(recording),
       params_(params),
       memory_(params),
@@ -52,7 +52,7 @@ Workspace::Workspace(const Recording& recording, const Params& params)
             return files_.readThinned(tile, thinned_levels_.get(tile)->at(key % kMaxLevels));
           },
           [](const Surface& surface) { return bytesOf(surface); }),
-      images_(recording, memory_.images()),
+      images_(recording, memory_.images(), shortName(imageFilesKey(recording)), alone),
       depths_(
           memory_.depthImages(),
           [this](std::size_t view) {
@@ -131,9 +131,13 @@ void Workspace::correctViews(std::vector<CorrectedView> corrections) {
 
 bool Workspace::restoreDamagedViews() {
   if (!files_.holds(kImageCheckFolder, imageFilesKey(recording_))) return false;
-  auto damaged = files_.readDamagedViews();
-  if (!damaged) return false;
-  leaveOut(*std::move(damaged));
+  ViewList all;
+  for (std::size_t block = 0; block < files_.numViewBlocks(); ++block) {
+    const auto damaged = files_.readDamagedViews(block);
+    if (!damaged) return false;
+    all.insert(all.end(), damaged->begin(), damaged->end());
+  }
+  leaveOut(std::move(all));
   return true;
 }
 

@@ -24,7 +24,8 @@ namespace cloud_colorizer {
 
 class Workspace {
  public:
-  Workspace(const Recording& recording, const Params& params);
+  /// `alone`: no other program works on the recording meanwhile, so that what it leaves for others may go.
+  Workspace(const Recording& recording, const Params& params, bool alone = false);
 
   const Recording& recording() const { return recording_; }
   const Params& params() const { return params_; }

@@ -52,14 +52,14 @@ class DecodedImagesTest : public ::testing::Test {
 };
 
 TEST_F(DecodedImagesTest, WhatFitsInMemoryNeedsNoFolder) {
-  DecodedImages images(recording_, 4 * kBytes);
+  DecodedImages images(recording_, 4 * kBytes, "v", true);
   expectAllRight(images);
   EXPECT_FALSE(hasFolder());
 }
 
 TEST_F(DecodedImagesTest, WhatDoesNotFitIsDecodedOnceAndItsFolderRemoved) {
   {
-    DecodedImages images(recording_, kBytes);
+    DecodedImages images(recording_, kBytes, "v", true);
     expectAllRight(images);
     EXPECT_TRUE(hasFolder());
     const auto kept = images.get(0);
@@ -74,10 +74,22 @@ TEST_F(DecodedImagesTest, WhatDoesNotFitIsDecodedOnceAndItsFolderRemoved) {
 }
 
 TEST_F(DecodedImagesTest, PixelsOfARunThatWasKilledAreNotUsed) {
-  std::filesystem::create_directory(recording_.directory() + "/decoded");
-  writeText(recording_.directory() + "/decoded/000000", std::string(kBytes, 'x'));
-  DecodedImages images(recording_, kBytes);
+  std::filesystem::create_directories(recording_.directory() + "/decoded/v");
+  writeText(recording_.directory() + "/decoded/v/000000", std::string(kBytes, 'x'));
+  DecodedImages images(recording_, kBytes, "v", true);
   expectAllRight(images);
+}
+
+TEST_F(DecodedImagesTest, ProgramsShareThePixelsOfTheSameImagesAndLeaveThem) {
+  {
+    DecodedImages one(recording_, kBytes, "v", false), other(recording_, kBytes, "v", false);
+    expectAllRight(one);
+    std::filesystem::remove(recording_.directory() + '/' + recording_.views()[0].image);
+    EXPECT_EQ(other.get(0)->image.size(), cv::Size(20, 10));
+    DecodedImages changed(recording_, kBytes, "v2", false);
+    EXPECT_THROW(changed.get(0), std::runtime_error);
+  }
+  EXPECT_TRUE(hasFolder());
 }
 
 }  // namespace

@@ -24,7 +24,9 @@ TEST(RenderDepth, LooksFromThePoseThatIsAskedFor) {
   const auto camera = recorder.setCamera("camera_0", {100, 100, 100, 100, 49.5, 49.5, DistortionModel::kPlumbBob, {}});
   recorder.addView(camera, 0, Eigen::Isometry3d::Identity(), {1}, "png");
   Workspace work(recorder.snapshot(), {});
-  makeSurfels(work, {});
+  const Stage surfels = surfelStage();
+  work.files().claim(surfels.folder, surfels.key(work));
+  surfels.run(work, {0, surfels.units(work).size()}, {});
 
   const auto depthAhead = [&](const Eigen::Isometry3d& pose) { return renderDepth(work, 0, pose, {}).depth(25, 25); };
   EXPECT_TRUE(std::isinf(depthAhead(Eigen::Isometry3d::Identity())));

@@ -9,6 +9,7 @@
 #include <functional>
 #include <random>
 
+#include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/recording/recorder.hpp"
 #include "core/scratch.hpp"
 
@@ -57,7 +58,7 @@ class DerivedFilesTest : public ::testing::Test {
     files_.writeDepth(2, image_);
     files_.writeColors(0, colors_, tone_);
     files_.writeCorrections(corrections_);
-    files_.writeDamagedViews({1, 2});
+    files_.writeDamagedViews(0, {1, 2});
   }
 
   ScratchDirectory scratch_;
@@ -72,7 +73,7 @@ class DerivedFilesTest : public ::testing::Test {
 
 TEST_F(DerivedFilesTest, ReadBackWhatWasWritten) {
   EXPECT_FALSE(files_.hasSurfels(0) || files_.hasDepth(2) || files_.hasColors(0) || files_.readCorrections() ||
-               files_.readDamagedViews());
+               files_.readDamagedViews(0));
   writeAll();
   EXPECT_TRUE(files_.hasSurfels(0) && files_.hasDepth(2) && files_.hasColors(0));
   EXPECT_EQ(files_.readSurfels(0).normals, surfels_.normals);
@@ -101,7 +102,7 @@ TEST_F(DerivedFilesTest, ReadBackWhatWasWritten) {
   EXPECT_EQ(corrections[1].map_from_camera.translation(), Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(corrections[1].exposure.gain[2], 3);
   EXPECT_EQ(corrections[2].weight, 0.5F);
-  EXPECT_EQ(*files_.readDamagedViews(), (ViewList{1, 2}));
+  EXPECT_EQ(*files_.readDamagedViews(0), (ViewList{1, 2}));
 }
 
 /// A bit turned, a piece zeroed, cut, lengthened, or emptied.
@@ -129,7 +130,7 @@ TEST_F(DerivedFilesTest, WhatIsDamagedCountsAsAbsentAndIsNeverRead) {
       {"colored/0_0_0.bin", [&] { return files_.hasColors(0); }},
       {"colored/0_0_0.tone", [&] { return files_.hasColors(0); }},
       {"alignment/views.bin", [&] { return files_.readCorrections().has_value(); }},
-      {"damaged_images/views.bin", [&] { return files_.readDamagedViews().has_value(); }},
+      {"damaged_images/000000.bin", [&] { return files_.readDamagedViews(0).has_value(); }},
       {"depth/key.txt", [&] { return files_.holds("depth", "k"); }}};
   std::mt19937 random(1);
   for (const auto& [name, is_whole] : kinds) {
@@ -169,6 +170,21 @@ TEST_F(DerivedFilesTest, OneColoursOrSeveralRead) {
   }
   const FolderLock reads(directory, false), reads_too(directory, false);
   EXPECT_ERROR(FolderLock(directory, true), "another program");
+}
+
+TEST_F(DerivedFilesTest, WhoWaitsGetsTheLockOrIsCancelled) {
+  const std::string directory = scratch_ / "r";
+  auto reads = std::make_unique<FolderLock>(directory, false);
+  int asked = 0;
+  Callbacks callbacks;
+  callbacks.cancelled = [&] { return ++asked == 3; };
+  EXPECT_THROW(FolderLock(directory, true, callbacks), Cancelled);
+  callbacks.cancelled = [&] {
+    reads.reset();
+    return false;
+  };
+  FolderLock(directory, true, callbacks);
+  EXPECT_EQ(reads, nullptr);
 }
 
 TEST(FolderLock, ReadsWhereNobodyMayWrite) {
