@@ -21,13 +21,16 @@ const OptionSpec kUndistortOption = {"undistort", "",
                                      "with --write-model: the images as pinhole cameras would take them", false};
 const OptionSpec kSplatsOption = {"splats", "FILE", "the map as Gaussian splats, .ply, at most two million", false};
 
+const OptionSpec kTilesOption = {"tiles", "DIR",
+                                 "the map also as files of at most two million points each, and tiles.json", false};
 const OptionSpec kReportOption = {"report", "DIR", "report.html, to look at in a browser, and report.json", false};
 const OptionSpec kFailIfOption = {
     "fail-if", "NAME<VALUE", "with --report: exit code 4 where it holds for a number of report.json, or NAME>VALUE",
     false};
 
 void addOutputOptions(CommandSpec& spec) {
-  for (const OptionSpec& option : {kWriteModelOption, kUndistortOption, kSplatsOption, kReportOption, kFailIfOption}) {
+  for (const OptionSpec& option :
+       {kTilesOption, kWriteModelOption, kUndistortOption, kSplatsOption, kReportOption, kFailIfOption}) {
     spec.options.push_back(option);
   }
 }
@@ -42,12 +45,14 @@ void checkOutputs(const CommandLine& line) {
   require<UsageError>(!line.has(kFailIfOption.name) || line.has(kReportOption.name), "--fail-if needs --report");
   require<UsageError>(!line.has(kUndistortOption.name) || line.has(kWriteModelOption.name), "--undistort needs --",
                       kWriteModelOption.name, ", the folder of model and images");
-  if (!line.has(kWriteModelOption.name)) return;
-  const std::string directory = line.option(kWriteModelOption.name);
-  std::error_code error;
-  std::filesystem::create_directories(directory, error);
-  require(!error && std::filesystem::is_directory(directory), "cannot create the folder ", directory, " of --",
-          kWriteModelOption.name, ": ", error ? error.message() : "it is a file");
+  for (const OptionSpec& option : {kTilesOption, kWriteModelOption}) {
+    if (!line.has(option.name)) continue;
+    const std::string directory = line.option(option.name);
+    std::error_code error;
+    std::filesystem::create_directories(directory, error);
+    require(!error && std::filesystem::is_directory(directory), "cannot create the folder ", directory, " of --",
+            option.name, ": ", error ? error.message() : "it is a file");
+  }
 }
 
 namespace {
@@ -94,6 +99,11 @@ ColorizeSummary colorAndSave(const Recording& recording, const CommandLine& line
   warnOfDisagreement(summary, callbacks);
   saveColored(recording, line.params, output, callbacks);
   callbacks.log(LogLevel::kInfo, "saved " + output);
+  if (line.has(kTilesOption.name)) {
+    const std::string tiles = line.option(kTilesOption.name);
+    saveColoredTiles(recording, line.params, tiles, lowerExtension(output), callbacks);
+    callbacks.log(LogLevel::kInfo, "saved " + (std::filesystem::path(tiles) / "tiles.json").string());
+  }
   if (line.has(kWriteModelOption.name)) {
     exportModel(recording, line.params, line.option(kWriteModelOption.name),
                 {image_names, line.has(kUndistortOption.name)}, callbacks);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What the programs that colour a recording share: --output, --write-model, --splats and --report.
+/// What the programs that colour a recording share: --output, --tiles, --write-model, --splats and --report.
 #pragma once
 
 #include <string>
@@ -16,10 +16,10 @@ namespace cloud_colorizer {
 
 extern const OptionSpec kWriteModelOption, kFailIfOption;
 
-/// --write-model, --undistort, --splats, --report and --fail-if.
+/// --tiles, --write-model, --undistort, --splats, --report and --fail-if.
 void addOutputOptions(CommandSpec& spec);
 
-/// Before the work, so that a path that cannot be written is told then and not after it. Makes the model's folder.
+/// Before the work, so that a path that cannot be written is told then and not after it. Makes the folders.
 void checkOutputs(const CommandLine& line);
 
 using Colorizer = ColorizeSummary(const Recording&, const Params&, const Callbacks&);

@@ -32,7 +32,8 @@ struct Chunk {
 
 /// Boxes of tiles, smaller where there are more points (a k-d tree over tiles). A box is cut where the fewest points
 /// lie beside the cut, as these are in the halo of the other side: across streets and walls and not along them. Every
-/// tile is in exactly one core. Neighbours in space are near in the list. The side of a chunk, for its halo, is the second longest of its box.
+/// tile is in exactly one core. Neighbours in space are near in the list. The side of a chunk, for its halo, is the
+/// second longest of its box.
 std::vector<Chunk> planChunks(const std::vector<Tile>& tiles, double tile_size, const ChunkParams& params);
 
 }  // namespace cloud_colorizer

@@ -55,4 +55,10 @@ void forEachColoredTile(const Recording& recording, const Params& params, bool r
 std::size_t saveColored(const Recording& recording, const Params& params, const std::string& path,
                         const Callbacks& callbacks);
 
+/// Writes the coloured map as files of at most two million points, or one tile of the recording, each a cube of space:
+/// `directory`/x_y_z`extension` (".ply", ".pcd" or ".las"), and tiles.json, which lists them with their boxes. Files of
+/// an earlier such map that this one has not are removed. Returns the number of points.
+std::size_t saveColoredTiles(const Recording& recording, const Params& params, const std::string& directory,
+                             const std::string& extension, const Callbacks& callbacks);
+
 }  // namespace cloud_colorizer

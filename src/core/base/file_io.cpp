@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <random>
 #include <system_error>
 #include <utility>
@@ -25,6 +26,16 @@ constexpr std::size_t kBufferSize = 1 << 20;
 
 [[noreturn]] void throwErrno(const char* what, const std::string& path, int error) {
   throw std::runtime_error(std::string("cannot ") + what + " " + path + ": " + std::generic_category().message(error));
+}
+
+/// As createTemporary() names them.
+bool isTemporary(const std::string& name) {
+  constexpr std::size_t kDigits = 16;
+  const std::string ending = ".tmp";
+  if (name.size() < ending.size() + kDigits + 2) return false;
+  const std::size_t dot = name.size() - ending.size() - kDigits - 1;
+  return name.compare(name.size() - ending.size(), ending.size(), ending) == 0 && name[dot] == '.' &&
+         name.find_first_not_of("0123456789abcdef", dot + 1) == name.size() - ending.size();
 }
 
 /// A new file beside `path`. The name is random, since other machines may write into the same directory.
@@ -117,7 +128,10 @@ MappedFile::~MappedFile() {
   if (size_ > 0) ::munmap(data_, size_);
 }
 
-AtomicFile::AtomicFile(const std::string& path) : path_(path), file_(createTemporary(path)) {}
+AtomicFile::AtomicFile(const std::string& path) : path_(path), file_(createTemporary(path)) {
+  // Tells that somebody writes it; a file system without locks only keeps what is abandoned.
+  (void)::flock(file_.descriptor(), LOCK_EX | LOCK_NB);
+}
 
 AtomicFile::~AtomicFile() {
   if (!committed_) ::unlink(file_.path().c_str());
@@ -146,6 +160,20 @@ void AtomicFile::commit(bool durable) {
   file_.close();
   if (std::rename(file_.path().c_str(), path_.c_str()) != 0) throwErrno("write", path_, errno);
   committed_ = true;
+}
+
+void removeAbandonedFiles(const std::string& directory, const std::string& name) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  for (fs::directory_iterator it(directory, error), end; !error && it != end; it.increment(error)) {
+    const std::string found = it->path().filename().string();
+    if (!isTemporary(found) || found.compare(0, name.size(), name) != 0) continue;
+    try {
+      if (File(it->path().string(), O_RDWR).tryLock(true)) ::unlink(it->path().c_str());
+    } catch (const std::runtime_error&) {
+      // Gone meanwhile, or not ours to remove.
+    }
+  }
 }
 
 void writeFileAtomically(const std::string& path, const void* bytes, std::size_t size) {

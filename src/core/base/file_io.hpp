@@ -75,6 +75,10 @@ class AtomicFile {
   bool committed_ = false;
 };
 
+/// Removes what programs that were killed left of an AtomicFile: of those in the directory whose name begins with
+/// `name`.
+void removeAbandonedFiles(const std::string& directory, const std::string& name = "");
+
 /// Writes `bytes` to `path` through a temporary name; throws std::runtime_error with the reason.
 void writeFileAtomically(const std::string& path, const void* bytes, std::size_t size);
 

@@ -45,6 +45,8 @@ struct CloudWriter::Impl {
         num_points(count),
         format(extension() == ".ply" ? plyFormat(fields, as_double) : wholeRecords(fields, as_double)),
         file(path) {
+    const std::filesystem::path whole(path);
+    removeAbandonedFiles(whole.has_parent_path() ? whole.parent_path().string() : ".", whole.filename().string() + '.');
     if (extension() == ".las") {
       require<std::invalid_argument>(count == 0 || !box.isEmpty(), path, " needs the box around its points");
       las.emplace(fields, count, box, lasOffset(box), crs.empty() || isWellKnownText(crs) ? crs : wellKnownText(crs));

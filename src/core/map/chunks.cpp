@@ -17,8 +17,6 @@
 namespace cloud_colorizer {
 namespace {
 
-using TileIds = std::vector<std::size_t>;
-
 constexpr std::size_t kFloorCost = 8;  // floors and roads are flat: all their points may lie beside one cut along z
 constexpr double kLeastShare = 0.25;   // of the points on each side of a cut, where there is such a cut
 

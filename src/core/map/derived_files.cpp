@@ -59,7 +59,7 @@ void FolderLock::open(const std::string& directory, bool exclusive) {
 }
 
 void DerivedFiles::claim(const std::string& folder, const std::string& key) const {
-  if (holds(folder, key)) return;
+  if (holds(folder, key)) return removeAbandonedFiles(pathOf(folder));
   fs::remove_all(pathOf(folder));
   fs::create_directories(pathOf(folder));
   writeFileAtomically(pathOf(folder + "/key.txt"), key.data(), key.size());

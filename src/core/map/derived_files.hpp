@@ -72,7 +72,7 @@ class DerivedFiles {
  public:
   explicit DerivedFiles(const Recording& recording) : recording_(recording) {}
 
-  /// Empties the folder unless its files were made from `key`.
+  /// Empties the folder unless its files were made from `key`. Not while others work on it.
   void claim(const std::string& folder, const std::string& key) const;
   bool holds(const std::string& folder, const std::string& key) const;
   std::string pathOf(const std::string& name) const { return recording_.directory() + '/' + name; }

@@ -26,7 +26,7 @@ constexpr int kBits = kZOrderBits - 1;       // of a block; its grid reaches hal
 constexpr std::size_t kMostPoints = 400000;  // of several tiles at once
 
 /// Tiles whose surfels are made together, as most of what lies around one of them is in the others.
-using Unit = std::vector<std::size_t>;
+using Unit = TileIds;
 
 Eigen::AlignedBox3f boxOf(const Recording& recording, const Unit& unit) {
   Eigen::AlignedBox3f box;
@@ -74,23 +74,6 @@ class TilePoints {
   LruCache<Points> points_;
 };
 
-/// Cubes of `side` tiles; those with too many points in smaller ones, down to a tile.
-void addUnits(const Recording& recording, const Unit& tiles, std::int32_t side, std::vector<Unit>& units) {
-  std::map<TileIndex, Unit> cubes;
-  for (const std::size_t tile : tiles) {
-    TileIndex cube = recording.tiles()[tile].index;
-    for (std::int32_t& i : cube) i = (i - (i % side + side) % side) / side;
-    cubes[cube].push_back(tile);
-  }
-  for (const auto& [index, cube] : cubes) {
-    if (side == 1 || countPoints(recording.tiles(), cube) <= kMostPoints) {
-      units.push_back(cube);
-    } else {
-      addUnits(recording, cube, side / 2, units);
-    }
-  }
-}
-
 /// Of the points of a unit, as it lies in the map. All units have the same cells.
 Surfels surfelsOf(const Recording& recording, const Unit& unit, const ZOrderGrid& grid, TilePoints& source,
                   const SurfelParams& params) {
@@ -134,9 +117,7 @@ void markMoving(const std::vector<std::uint8_t>& shares, Surfels& surfels) {
 std::vector<Unit> unitsOf(const Recording& recording) {
   Unit all(recording.tiles().size());
   std::iota(all.begin(), all.end(), std::size_t{0});
-  std::vector<Unit> units;
-  addUnits(recording, all, tilesPerBlock(recording), units);
-  return units;
+  return cubesOfTiles(recording, all, kMostPoints, tilesPerBlock(recording));
 }
 
 std::vector<double> pointsOfUnits(const Workspace& work) {

@@ -14,8 +14,11 @@
 
 namespace cloud_colorizer {
 
+/// Into Recording::tiles(), ascending.
+using TileIds = std::vector<std::size_t>;
+
 /// Of the tiles `ids`, all together.
-inline std::size_t countPoints(const std::vector<Tile>& tiles, const std::vector<std::size_t>& ids) {
+inline std::size_t countPoints(const std::vector<Tile>& tiles, const TileIds& ids) {
   return std::accumulate(ids.begin(), ids.end(), std::size_t{0},
                          [&](std::size_t sum, std::size_t id) { return sum + tiles[id].num_points; });
 }

@@ -5,6 +5,8 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "core/scratch.hpp"
 
 namespace cloud_colorizer {
@@ -31,6 +33,21 @@ TEST(FileIo, WithoutCommitNothingRemains) {
     EXPECT_EQ(scratch.numFiles(), 1U);
   }
   EXPECT_EQ(scratch.numFiles(), 0U);
+}
+
+TEST(FileIo, WhatAKilledProgramLeftIsRemovedAndWhatIsBeingWrittenStays) {
+  ScratchDirectory scratch;
+  writeText(scratch / "map.ply.0123456789abcdef.tmp", "half");
+  writeText(scratch / "other.ply.0123456789abcdef.tmp", "half");
+  writeText(scratch / "map.ply.mine.tmp", "mine");
+  AtomicFile file(scratch / "map.ply");
+  removeAbandonedFiles(scratch.path(), "map.ply.");
+  const auto exists = [&](const char* name) { return std::filesystem::exists(scratch / name); };
+  EXPECT_FALSE(exists("map.ply.0123456789abcdef.tmp"));
+  EXPECT_TRUE(exists("other.ply.0123456789abcdef.tmp"));
+  EXPECT_TRUE(exists("map.ply.mine.tmp"));
+  file.commit(false);
+  EXPECT_TRUE(exists("map.ply"));
 }
 
 TEST(FileIo, ErrorsNameThePathAndTheReason) {

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <random>
 #include <stdexcept>
@@ -347,6 +348,31 @@ TEST_F(Colorize, UnseenPointsAreKeptDroppedOrFilled) {
     if (!well_inside) continue;
     EXPECT_GT(colorOf(filled, i)[1], 0) << "view_count " << viewCountOf(filled, i);
   }
+}
+
+TEST_F(Colorize, TilesAreFilesThatTogetherAreTheMap) {
+  params_.colorize.uncolored = Uncolored::kDrop;
+  const Recording recording = record("r", {3, -300}, 0.02, {{0, 0, 2}}, 3);
+  colorize(recording, params_, {});
+  const std::size_t num_points = saveColored(recording, params_, scratch_ / "map.ply", {});
+  EXPECT_EQ(saveColoredTiles(recording, params_, scratch_ / "tiles", ".ply", {}), num_points);
+  const nlohmann::json list = nlohmann::json::parse(readText(scratch_ / "tiles/tiles.json"));
+  std::size_t sum = 0;
+  for (const auto& tile : list["tiles"]) {
+    CloudReader reader(scratch_ / "tiles" + ("/" + tile["file"].get<std::string>()));
+    EXPECT_EQ(reader.numPoints(), tile["points"].get<std::size_t>());
+    sum += reader.numPoints();
+  }
+  EXPECT_EQ(sum, num_points);
+  EXPECT_EQ(list["points"].get<std::size_t>(), num_points);
+
+  // What the next map has not, goes; what is the user's own stays.
+  writeText(scratch_ / "tiles/mine.ply", "mine");
+  params_.colorize.uncolored = Uncolored::kKeep;
+  const std::string first = list["tiles"][0]["file"];
+  saveColoredTiles(recording, params_, scratch_ / "tiles", ".las", {});
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "tiles" + ("/" + first)));
+  EXPECT_EQ(readText(scratch_ / "tiles/mine.ply"), "mine");
 }
 
 TEST_F(Colorize, RadianceIsSavedBesideItsColoursWithoutColouringAgain) {
