@@ -258,6 +258,7 @@ std::size_t Recorder::addView(std::uint32_t camera, double stamp, const Eigen::I
   writeFileAtomically(impl.directory + '/' + view.image, encoded_image.data(), encoded_image.size());
   if (impl.readouts_table || !readout_motion.isZero(0)) impl.writeReadout(view);
   impl.views_table.append(viewLine(view));
+  view.map_from_camera = poseInTable(view.map_from_camera);  // the same map from memory and from the files
   impl.views.push_back(std::move(view));
   impl.flushWhenDue();
   return impl.views.size() - 1;

@@ -49,14 +49,18 @@ std::vector<double> parseNumbers(const std::vector<std::string>& parts, std::siz
   return values;
 }
 
+Eigen::Isometry3d makePose(const Eigen::Vector3d& translation, const Eigen::Quaterniond& rotation) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() = translation;
+  pose.linear() = rotation.normalized().toRotationMatrix();
+  return pose;
+}
+
 /// x, y, z, qx, qy, qz, qw.
 Eigen::Isometry3d parsePose(const double* values, const std::string& where) {
   const Eigen::Quaterniond rotation(values[6], values[3], values[4], values[5]);
   require(std::abs(rotation.norm() - 1) < 1e-3, where, " is damaged: its quaternion has the norm ", rotation.norm());
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.translation() = Eigen::Vector3d(values[0], values[1], values[2]);
-  pose.linear() = rotation.normalized().toRotationMatrix();
-  return pose;
+  return makePose(Eigen::Vector3d(values[0], values[1], values[2]), rotation);
 }
 
 std::string poseText(const Eigen::Isometry3d& pose) {
@@ -134,6 +138,10 @@ Table<Row> readTable(const std::string& path, const std::string& header,
 }
 
 }  // namespace
+
+Eigen::Isometry3d poseInTable(const Eigen::Isometry3d& pose) {
+  return makePose(pose.translation(), Eigen::Quaterniond(pose.linear()));
+}
 
 Table<View> readViews(const std::string& directory) {
   Table<View> table = readTable(viewsPath(directory), kViewsHeader, parseView);

@@ -24,6 +24,8 @@ bool hasReadouts(const std::string& directory);
 Table<Scan> readScans(const std::string& directory);
 Table<std::string> readClouds(const std::string& directory);  ///< lines
 
+/// A pose as it is read from the tables again, which keep a rotation as a quaternion.
+Eigen::Isometry3d poseInTable(const Eigen::Isometry3d& pose);
 std::string viewLine(const View& view);
 std::string readoutLine(std::size_t view, const Twist& motion);
 std::string scanLine(const Scan& scan);

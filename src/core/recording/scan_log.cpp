@@ -58,6 +58,7 @@ void ScanLog::add(const std::string& sensor, double stamp, const Eigen::Matrix3X
     makeFolder(directory_, "scans");
     writeFileAtomically(directory_ + '/' + scan.image, png.data(), png.size());
     table_.append(scanLine(scan));
+    scan.map_from_sensor = poseInTable(scan.map_from_sensor);
     scans_.push_back(std::move(scan));
   }
   last_[sensor] = map_from_sensor;

@@ -236,6 +236,30 @@ TEST(Recorder, SnapshotStaysWhileTheRecorderAppends) {
   EXPECT_GT(pointsById(Recording::open(scratch.path())).size(), before.size());
 }
 
+TEST(Recorder, PosesAreTheSameFromMemoryAndFromTheFiles) {
+  ScratchDirectory scratch;
+  RecordParams params;
+  params.keyframe_distance = 0.001;
+  Recorder recorder(scratch / "r", "map", params);
+  const auto camera = recorder.setCamera("camera_0", {8, 8, 8, 8, 4, 4, DistortionModel::kPlumbBob, {}});
+  for (int i = 0; i < 50; ++i) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.rotate(Eigen::AngleAxisd(0.1 * i, Eigen::Vector3d::Random().normalized()));
+    pose.translation() = 100 * Eigen::Vector3d::Random();
+    recorder.addView(camera, i, pose, {1}, "png");
+    recorder.addScan("lidar", i, 5 * Eigen::Matrix3Xd::Random(3, 20), pose);
+  }
+  recorder.flush();
+  const Recording memory = recorder.snapshot(), files = Recording::open(scratch / "r");
+  ASSERT_FALSE(files.scans().empty());
+  for (std::size_t i = 0; i < files.views().size(); ++i) {
+    EXPECT_EQ(memory.views()[i].map_from_camera.matrix(), files.views()[i].map_from_camera.matrix());
+  }
+  for (std::size_t i = 0; i < files.scans().size(); ++i) {
+    EXPECT_EQ(memory.scans()[i].map_from_sensor.matrix(), files.scans()[i].map_from_sensor.matrix());
+  }
+}
+
 TEST(Recorder, CamerasAreFoundAgainByNameAndIntrinsics) {
   ScratchDirectory scratch;
   auto other = smallCamera();
