@@ -9,7 +9,7 @@ ply() { /usr/bin/python3 test/programs/ply.py "$@"; }
 # ---- help ----
 expect 0 '--output.*--config.*--recording' colorize_bag --help
 expect 0 '--cloud.*--images.*--model.*--output' colorize_map --help
-expect 0 'RECORDING --output' colorize --help
+expect 0 'RECORDING \[--output' colorize --help
 expect 0 '--output.*--eye.*--field' render_map --help
 expect 0 '--frames' simulate --help
 expect 0 '^cloud_colorizer [0-9]+\.[0-9]+\.[0-9]+$' colorize --version
