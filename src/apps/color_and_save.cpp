@@ -72,6 +72,24 @@ void warnOfDisagreement(const ColorizeSummary& summary, const Callbacks& callbac
   callbacks.log(LogLevel::kWarning, text.str());
 }
 
+std::string describe(const StageCost& stage) {
+  std::ostringstream text;
+  text.precision(3);
+  text << "the stage " << stage.name << " took " << stage.seconds << " s, " << stage.cpu_seconds
+       << " s of a core; resident at the most so far " << static_cast<long>(stage.peak_megabytes) << " MB";
+  return text.str();
+}
+
+/// What a colleague gets to see of a command: not where on this machine its files are.
+std::string withoutFolders(const std::string& argument) {
+  const std::size_t equals = argument.find('=');
+  const std::size_t value = equals == std::string::npos ? 0 : equals + 1;
+  const std::size_t slash = argument.rfind('/');
+  if (slash == std::string::npos || slash < value) return argument;
+  const std::string name = std::filesystem::path(argument.substr(value)).lexically_normal().filename().string();
+  return argument.substr(0, value) + (name.empty() ? "..." : name);
+}
+
 /// Takes note of the warnings on their way to the user.
 Callbacks notingWarnings(const Callbacks& callbacks, std::vector<std::string>& warnings) {
   Callbacks noting = callbacks;
@@ -95,6 +113,9 @@ ColorizeSummary colorAndSave(const Recording& recording, const CommandLine& line
                             coloredCrs(recording, line.params));
   }
   const ColorizeSummary summary = colorizer(recording, line.params, callbacks);
+  for (const StageCost& stage : summary.stages) {
+    if (line.verbose) callbacks.log(LogLevel::kInfo, describe(stage));
+  }
   callbacks.log(LogLevel::kInfo, summary.describe());
   warnOfDisagreement(summary, callbacks);
   saveColored(recording, line.params, output, callbacks);
@@ -124,6 +145,9 @@ ColorizeSummary colorAndSave(const Recording& recording, const CommandLine& line
 void saveReport(const Recording& recording, const CommandLine& line, const std::string& directory, RunFacts run,
                 const Callbacks& callbacks) {
   run.program = versionText();
+  for (const std::string& argument : line.arguments) {
+    run.command.push_back(line.verbose ? argument : withoutFolders(argument));
+  }
   const nlohmann::json report = writeReport(recording, line.params, run, directory, callbacks);
   callbacks.log(LogLevel::kInfo, "saved " + (std::filesystem::path(directory) / "report.html").string());
   if (!line.has(kFailIfOption.name)) return;

@@ -59,6 +59,7 @@ class Parser {
   }
 
   CommandLine parse() {
+    line_.arguments = arguments_;
     bool only_positionals = false;
     for (; next_ < arguments_.size(); ++next_) {
       const std::string& argument = arguments_[next_];
@@ -72,6 +73,10 @@ class Parser {
       } else if (argument == "--version") {
         line_.version = true;
         return line_;
+      } else if (argument == "--quiet" || argument == "-q") {
+        line_.quiet = true;
+      } else if (argument == "--verbose" || argument == "-v") {
+        line_.verbose = true;
       } else if (argument.size() > 1 && argument[0] == '-') {
         parseOption(argument);
       } else {
@@ -155,14 +160,22 @@ void printRow(std::ostream& out, const std::string& left, const std::string& hel
 /// Writes progress and log lines to stderr without mixing them.
 class Terminal {
  public:
+  void setQuiet(bool quiet) { is_quiet_ = quiet; }
+
   void show(const Progress& progress) {
+    if (is_quiet_) return;
     const auto now = std::chrono::steady_clock::now();
     const bool finished = progress.total > 0 && progress.done >= progress.total;
-    const auto period = std::chrono::milliseconds(rewrites_ ? 100 : 5000);
-    if (progress.stage == stage_ && !finished && now - last_ < period) return;
+    const std::size_t tenth = progress.total > 0 ? 10 * progress.done / progress.total : 0;
+    // Where nothing is rewritten, a line every tenth, or now and then where nobody knows how much it is.
+    const bool is_due = rewrites_            ? now - last_ >= std::chrono::milliseconds(100)
+                        : progress.total > 0 ? tenth > tenth_
+                                             : now - last_ >= std::chrono::seconds(5);
+    if (progress.stage == stage_ && !finished && !is_due) return;
     stage_ = progress.stage;
     last_ = now;
-    const std::string text = describeProgress(progress);
+    tenth_ = tenth;
+    const std::string text = describeProgress(progress, rewrites_);
     if (!rewrites_) {
       if (text != line_) std::cerr << text << '\n' << std::flush;
       line_ = text;
@@ -175,6 +188,7 @@ class Terminal {
   }
 
   void log(LogLevel level, const std::string& text) {
+    if (is_quiet_ && level == LogLevel::kInfo) return;
     if (open_) clearLine();
     open_ = false;
     const char* prefix = level == LogLevel::kError ? "error: " : level == LogLevel::kWarning ? "warning: " : "";
@@ -190,7 +204,8 @@ class Terminal {
   static void clearLine() { std::cerr << "\r\033[K"; }
 
   const bool rewrites_ = isatty(STDERR_FILENO) != 0;
-  bool open_ = false;
+  bool open_ = false, is_quiet_ = false;
+  std::size_t tenth_ = 0;
   std::string stage_, line_;
   std::chrono::steady_clock::time_point last_{};
 };
@@ -229,6 +244,8 @@ std::string helpText(const CommandSpec& spec) {
   }
   out << (spec.takes_params ? " [name=value ...]" : "") << "\n\n" << spec.summary << "\n\nOptions:\n";
   for (const OptionSpec& option : spec.options) printRow(out, "--" + option.name + " " + option.value, option.help);
+  printRow(out, "-q, --quiet", "warnings and errors only");
+  printRow(out, "-v, --verbose", "also what each stage took; a report names files with their folders");
   printRow(out, "--help", "this text");
   printRow(out, "--version", "the version of the package");
   if (spec.takes_params) {
@@ -250,11 +267,14 @@ const char* versionText() {
   return "cloud_colorizer " CLOUD_COLORIZER_VERSION;
 }
 
-std::string describeProgress(const Progress& progress) {
+std::string describeProgress(const Progress& progress, bool with_bar) {
   std::ostringstream out;
   out << progress.stage;
   if (progress.total > 0) {
+    constexpr std::size_t kBarWidth = 20;
     const double percent = 100.0 * static_cast<double>(progress.done) / static_cast<double>(progress.total);
+    const std::size_t filled = std::min(kBarWidth, kBarWidth * progress.done / progress.total);
+    if (with_bar) out << " [" << std::string(filled, '#') << std::string(kBarWidth - filled, '-') << ']';
     out << ' ' << std::fixed << std::setprecision(0) << std::floor(percent) << " % (" << progress.done << " of "
         << progress.total << ')';
   } else if (progress.done > 0) {
@@ -289,6 +309,7 @@ int runMain(int argc, const char* const* argv, const CommandSpec& spec,
       return 0;
     }
     catchSignals();
+    terminal->setQuiet(line.quiet);
     body(line, callbacksOf(terminal));
     terminal->endLine();
     return 0;

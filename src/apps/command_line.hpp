@@ -64,6 +64,9 @@ struct CommandLine {
   Params params;
   std::map<std::string, std::string> others;  ///< given values of other_params, and of all names `camera_<i>/...`
   bool help = false, version = false;
+  std::vector<std::string> arguments;  ///< all, as they were given
+  bool quiet = false;                  ///< -q: warnings and errors only
+  bool verbose = false;                ///< -v: also what each stage took; a report names files with their folders
 
   bool has(const std::string& name) const { return options.count(name) != 0; }
   std::string option(const std::string& name, const std::string& otherwise = "") const;
@@ -98,10 +101,10 @@ std::string helpText(const CommandSpec& spec);
 /// What --version tells.
 const char* versionText();
 
-/// One line: "colour  45 % (9 of 20 chunks), 210000 points/s, 12 s left".
-std::string describeProgress(const Progress& progress);
+/// One line: "colour 45 % (9 of 20), 210000 points/s, 12 s left"; with a bar, "colour [#########-----------] 45 % ...".
+std::string describeProgress(const Progress& progress, bool with_bar = false);
 
-/// Progress and log on stderr (one line that is rewritten on a terminal; a line every few seconds elsewhere);
+/// Progress and log on stderr (one line with a bar that is rewritten on a terminal; a line every tenth elsewhere);
 /// cancelled() after the first SIGINT or SIGTERM. The second signal ends the process at once.
 Callbacks terminalCallbacks();
 

@@ -3,51 +3,27 @@
 #include "report/facts.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <map>
-#include <sstream>
+#include <set>
+#include <utility>
 
-#include "base/text.hpp"
+#include "map/derived_files.hpp"
+#include "report/consistency.hpp"
+#include "visibility/moving.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
 using nlohmann::json;
 
-/// alignment/views.csv as {"columns": [...], "rows": [[...], ...]} without the reasons, whose commas are no borders.
-json readAlignmentViews(const std::string& path) {
-  json rows = json::array();
+/// What the alignment kept of itself; an empty object where it did not run.
+json readAlignment(const std::string& path) {
   std::ifstream file(path);
-  std::string line;
-  std::getline(file, line);
-  while (std::getline(file, line)) {
-    const auto words = splitAt(line.substr(0, line.find('"')), ',');
-    json row = json::array();
-    for (std::size_t i = 0; i + 1 < words.size(); ++i) {
-      double value = 0;
-      if (parseDouble(words[i], value)) row.push_back(value);
-    }
-    if (row.size() == 14) rows.push_back(std::move(row));
-  }
-  return {{"columns",
-           {"view", "camera", "stamp", "points", "rotation_deg", "translation_m", "pixels", "gain_r", "gain_g",
-            "gain_b", "weight", "residual_before", "residual_after", "refused"}},
-          {"rows", rows}};
-}
-
-/// Lines of alignment/report.txt: its warnings, and what it says of the cameras.
-void readAlignmentText(const std::string& path, json& facts) {
-  std::ifstream file(path);
-  json text = json::array();
-  for (std::string line; std::getline(file, line);) {
-    const std::string warning = "Warning: ";
-    if (line.rfind(warning, 0) == 0) {
-      facts["warnings"].push_back(line.substr(warning.size()));
-    } else if (!line.empty()) {
-      text.push_back(line);
-    }
-  }
-  facts["alignment"]["text"] = text;
+  const json read = json::parse(file, nullptr, false);
+  return read.is_object() ? read : json::object();
 }
 
 /// Of columns of the table of views, weighted by their points; none where no view has any.
@@ -72,8 +48,9 @@ void summarizeAlignment(json& alignment, const Recording& recording) {
   std::sort(shifts.begin(), shifts.end());
   alignment["heldout_error_before"] = before / points;
   alignment["heldout_error"] = after / points;
-  alignment["median_shift_of_width"] = shifts.empty() ? 0 : shifts[shifts.size() / 2];
-  alignment["gain_range"] = high / std::max(low, 1e-6);
+  if (alignment.value("poses_aligned", false))
+    alignment["median_shift_of_width"] = shifts.empty() ? 0 : shifts[shifts.size() / 2];
+  if (alignment.value("exposure_aligned", false)) alignment["gain_range"] = high / std::max(low, 1e-6);
 }
 
 json changedParams(const Params& params) {
@@ -111,32 +88,73 @@ double durationOf(const Recording& recording) {
   return last - first;
 }
 
-json light(const char* name, const char* state, const json& value, const char* thresholds, const char* meaning,
-           const char* remedy) {
-  return {{"name", name},       {"state", state},  {"value", value}, {"thresholds", thresholds},
-          {"meaning", meaning}, {"remedy", remedy}};
-}
-
-/// The larger the worse, or where `green` is above `red`, the smaller.
-const char* stateOf(double value, double green, double red) {
-  const bool rises = green < red;
-  if (rises ? value < green : value > green) return "green";
-  return (rises ? value < red : value > red) ? "yellow" : "red";
-}
-
-bool anyWarning(const json& facts, std::initializer_list<const char*> words) {
-  for (const json& warning : facts["warnings"]) {
-    const std::string text = lowerCase(warning.get<std::string>());
-    for (const char* word : words) {
-      if (text.find(word) != std::string::npos) return true;
+/// Typical distance from a point to the nearest camera, m.
+double typicalDistance(const Recording& recording, const MapSample& sample) {
+  constexpr std::size_t kMostPoints = 500, kMostViews = 2000;
+  const std::size_t num_views = recording.views().size();
+  const std::size_t step = std::max<std::size_t>(1, sample.size() / kMostPoints);
+  const std::size_t view_step = std::max<std::size_t>(1, num_views / kMostViews);
+  std::vector<float> distances;
+  for (std::size_t i = 0; i < sample.size(); i += step) {
+    if (sample.counts[i] == 0) continue;
+    const Eigen::Vector3d point = Eigen::Map<const Eigen::Vector3f>(sample.positions.data() + 3 * i).cast<double>();
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t v = 0; v < num_views; v += view_step) {
+      nearest = std::min(nearest, (recording.views()[v].map_from_camera.translation() - point).norm());
     }
+    distances.push_back(static_cast<float>(nearest));
   }
-  return false;
+  return percentile(std::move(distances), 0.5);
+}
+
+/// m^2, as seen from above: cells that hold a point, as large as hold some 20 of the sample each.
+double groundArea(const MapSample& sample) {
+  constexpr double kPointsPerCell = 20;
+  if (sample.size() == 0) return 0;
+  Eigen::AlignedBox2f box;
+  for (std::size_t i = 0; i < sample.size(); ++i) box.extend(Eigen::Vector2f(sample.positions.data() + 3 * i));
+  const double side =
+      std::sqrt(static_cast<double>(box.sizes().prod()) * kPointsPerCell / static_cast<double>(sample.size()));
+  if (!(side > 0)) return 0;
+  std::set<std::pair<std::int64_t, std::int64_t>> cells;
+  for (std::size_t i = 0; i < sample.size(); ++i) {
+    cells.emplace(static_cast<std::int64_t>(sample.positions[3 * i] / side),
+                  static_cast<std::int64_t>(sample.positions[3 * i + 1] / side));
+  }
+  return side * side * static_cast<double>(cells.size());
+}
+
+/// What only points tell.
+json measureMap(const Recording& recording, const MapSample& sample) {
+  std::size_t colored = 0, seen_twice = 0, moved = 0;
+  std::vector<float> thicknesses;
+  for (std::size_t i = 0; i < sample.size(); ++i) {
+    moved += sample.moving[i] >= kMovingShare;
+    if (sample.counts[i] == 0) continue;
+    ++colored;
+    seen_twice += sample.counts[i] >= 2;
+    thicknesses.push_back(sample.thicknesses[i]);
+  }
+  const auto share = [](std::size_t part, std::size_t whole) {
+    return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+  };
+  const double thickness = percentile(std::move(thicknesses), 0.5), distance = typicalDistance(recording, sample);
+  double widest = 0;  // of the cameras, what a metre at a metre takes of an image's width
+  for (const RecordedCamera& camera : recording.cameras()) {
+    widest = std::max(widest, camera.intrinsics.fx / camera.intrinsics.width);
+  }
+  return {{"ground_area_m2", groundArea(sample)},
+          {"seen_twice_share", share(seen_twice, colored)},
+          {"moved_share", share(moved, sample.size())},
+          {"thickness_m", thickness},
+          {"view_distance_m", distance},
+          {"seam", sample.seam ? json(*sample.seam) : json()},
+          {"thickness_of_width", distance > 0 ? thickness / distance * widest : 0.0}};
 }
 
 }  // namespace
 
-json collectFacts(const Recording& recording, const Params& params, const RunFacts& run) {
+json collectFacts(const Recording& recording, const Params& params, const RunFacts& run, const MapSample& sample) {
   const ColorizeSummary& summary = run.summary;
   const auto reason = [&](Unseen unseen) { return summary.by_reason[static_cast<std::size_t>(unseen)]; };
   const auto share = [](std::size_t part, std::size_t whole) {
@@ -146,6 +164,7 @@ json collectFacts(const Recording& recording, const Params& params, const RunFac
   json facts;
   facts["program"] = run.program;
   facts["name"] = run.name;
+  facts["command"] = run.command;
   facts["map"] = {{"points", summary.num_points},
                   {"colored", summary.num_colored},
                   {"colored_share", share(summary.num_colored, summary.num_points)},
@@ -155,6 +174,8 @@ json collectFacts(const Recording& recording, const Params& params, const RunFac
                   {"scans", recording.scans().size()},
                   {"duration_s", durationOf(recording)},
                   {"disagreement", summary.disagreement}};
+  facts["map"].update(measureMap(recording, sample));
+  facts["heldout"] = describeErrors(readErrors(recording, params));
   facts["uncolored"] = {{"in_no_image", reason(Unseen::kOutside)},
                         {"beyond_max_view_distance", reason(Unseen::kTooFar)},
                         {"hidden", reason(Unseen::kHidden)},
@@ -163,12 +184,22 @@ json collectFacts(const Recording& recording, const Params& params, const RunFac
   facts["cameras"] = camerasOf(recording);
   facts["parameters_changed"] = changedParams(params);
   facts["seconds"] = summary.seconds;
+  facts["stages"] = json::array();
+  for (const StageCost& stage : summary.stages) {
+    facts["stages"].push_back({{"name", stage.name},
+                               {"seconds", stage.seconds},
+                               {"cpu_seconds", stage.cpu_seconds},
+                               {"peak_mb", stage.peak_megabytes}});
+  }
   facts["warnings"] = run.warnings;
   facts["alignment"] = {{"done", params.aligns()}};
   if (params.aligns()) {
-    readAlignmentText(recording.directory() + "/alignment/report.txt", facts);
-    facts["alignment"]["views"] = readAlignmentViews(recording.directory() + "/alignment/views.csv");
-    summarizeAlignment(facts["alignment"], recording);
+    facts["alignment"] = readAlignment(recording.directory() + "/alignment/" + kAlignmentJson);
+    facts["alignment"]["done"] = facts["alignment"].contains("views");
+    if (facts["alignment"]["done"]) summarizeAlignment(facts["alignment"], recording);
+    if (facts["alignment"].contains("warnings")) {
+      for (const json& warning : facts["alignment"]["warnings"]) facts["warnings"].push_back(warning);
+    }
   }
   auto& warnings = facts["warnings"];
   std::vector<std::string> once;  // the alignment's are in the run's as well
@@ -177,48 +208,6 @@ json collectFacts(const Recording& recording, const Params& params, const RunFac
   }
   warnings = once;
   return facts;
-}
-
-json lightsOf(const json& facts) {
-  json lights = json::array();
-  const json &map = facts["map"], &alignment = facts["alignment"];
-  lights.push_back(light("Coloured", stateOf(map["colored_share_in_reach"], 0.6, 0.3), map["colored_share_in_reach"],
-                         "green above 60 %, red below 30 %",
-                         "share of the points in an image, within max_view_distance, that got a colour; the others are "
-                         "hidden, often truly",
-                         "Look at the reasons below. Poses that are off, or a thick map, hide too much."));
-  const double disagreement = map["disagreement"];
-  lights.push_back(light("Agreement of the views", disagreement > 0 ? stateOf(disagreement, 0.5, 0.7) : "grey",
-                         disagreement, "green below 0.5, red above 0.7",
-                         "how much the views of a point differ, against how much the points do",
-                         "Poses, calibration or clocks cannot be right: look at their conventions and units."));
-  const bool is_known = alignment.contains("heldout_error");
-  lights.push_back(light("Held-out colour error", is_known ? stateOf(alignment["heldout_error"], 15, 30) : "grey",
-                         is_known ? alignment["heldout_error"] : json(), "green below 15, red above 30 (of 255)",
-                         "each view predicted from the others, at points that took no part in the alignment",
-                         "Better poses, or a better calibration; glass and what moves have their share."));
-  const bool is_suspect = anyWarning(facts, {"calibration", "clock", "time offset"});
-  std::string poses = is_known ? stateOf(alignment["median_shift_of_width"], 0.002, 0.004) : "grey";
-  if (poses == "red" && is_suspect) poses = "yellow";  // it is not the poses
-  lights.push_back(light("Poses", poses.c_str(), is_known ? alignment["median_shift_of_width"] : json(),
-                         "green below 0.2 %, red above 0.4 % of the image's width",
-                         "by how much the alignment had to move the images (median)",
-                         "The poses or the calibration are off by so much before it: mend them where you can."));
-  lights.push_back(light("Calibration and clocks",
-                         is_suspect          ? "red"
-                         : alignment["done"] ? "green"
-                                             : "grey",
-                         is_suspect ? "see the warnings" : "nothing found", "red where a warning names them",
-                         "whether one correction of a camera, or of its clock, explains what held-back points show",
-                         "Calibrate that camera again, or set camera_<i>/time_offset as the warning says."));
-  lights.push_back(light("Exposure", is_known ? stateOf(alignment["gain_range"], 4, 10) : "grey",
-                         is_known ? alignment["gain_range"] : json(), "green below 4, red above 10",
-                         "largest gain of a view over the smallest, which are evened out",
-                         "Fix exposure and white balance, or let them change slowly."));
-  lights.push_back(light("Images", map["damaged_views"] > 0 ? "red" : "green", map["damaged_views"], "red above 0",
-                         "images that could not be decoded, and were left out",
-                         "The log names them: look at the disk and the driver."));
-  return lights;
 }
 
 }  // namespace cloud_colorizer

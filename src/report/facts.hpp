@@ -6,12 +6,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "report/map_sample.hpp"
 #include "report/report.hpp"
 
 namespace cloud_colorizer {
 
 /// All of report.json but its lights.
-nlohmann::json collectFacts(const Recording& recording, const Params& params, const RunFacts& run);
+nlohmann::json collectFacts(const Recording& recording, const Params& params, const RunFacts& run,
+                            const MapSample& sample);
 
 /// One light for each question that a user has: {"name", "state": green, yellow, red or grey, "value", "thresholds",
 /// "meaning", "remedy"}. Grey where the run cannot tell.

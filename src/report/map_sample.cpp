@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <optional>
+#include <numeric>
 
 #include "base/progress.hpp"
 #include "cloud/cloud_layout.hpp"
 #include "cloud/intensity.hpp"
+#include "map/colored_tiles.hpp"
+#include "report/seams.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -18,13 +19,6 @@ constexpr std::size_t kSteps = 65535;  // of a coordinate
 
 std::uint8_t byteOf(double value) {
   return static_cast<std::uint8_t>(std::clamp(std::lround(std::isfinite(value) ? value : 0.0), 0L, 255L));
-}
-
-float percentile(std::vector<float> values, double share) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 std::vector<float> coloredAxisOf(const MapSample& sample, std::size_t axis) {
@@ -50,6 +44,13 @@ std::size_t stepFor(std::size_t count, std::size_t most) {
 
 }  // namespace
 
+float percentile(std::vector<float> values, double share) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
 Eigen::AlignedBox3f MapSample::coloredBox() const {
   Eigen::Vector3f low, high;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -66,29 +67,39 @@ MapSample sampleMap(const Recording& recording, const Params& params, std::size_
   std::vector<float> intensity;
   const std::size_t step = stepFor(num_points, most);
   std::size_t number = 0;
-  ProgressMeter progress(callbacks, "report", num_points);
-  forEachColoredTile(recording, params, true, [&](const Cloud& tile) {
-    const auto rgb = findField(tile.fields, "rgb"), count = findField(tile.fields, "view_count"),
-               deviation = findField(tile.fields, "color_stddev"), moving = findField(tile.fields, "moving"),
-               strength = findIntensity(tile.fields);
-    const std::size_t size = recordSize(tile.fields);
-    for (Eigen::Index i = 0; i < tile.positions.cols(); ++i, ++number) {
-      if (number % step != 0) continue;
-      const std::uint8_t* record = tile.records.data() + static_cast<std::size_t>(i) * size;
-      const auto number_at = [&](const std::optional<LocatedField>& field) {
-        return field ? numberAt(record + field->offset, field->field.type) : 0.0;
-      };
-      for (int axis = 0; axis < 3; ++axis) sample.positions.push_back(static_cast<float>(tile.positions(axis, i)));
-      std::uint32_t packed = 0;
-      if (rgb) std::memcpy(&packed, record + rgb->offset, sizeof packed);
-      for (const unsigned shift : {16U, 8U, 0U}) sample.colors.push_back(static_cast<std::uint8_t>(packed >> shift));
-      sample.counts.push_back(byteOf(number_at(count)));
-      sample.deviations.push_back(byteOf(number_at(deviation)));
-      sample.moving.push_back(byteOf(number_at(moving)));
-      if (strength) intensity.push_back(static_cast<float>(number_at(strength)));
+  const auto strength = findIntensity(recording.fields());
+  const std::size_t record_size = recordSize(recording.fields());
+  ColoredTiles tiles(recording, params);
+  TileIds all(recording.tiles().size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  ProgressMeter progress(callbacks, "report", recording.numPoints());
+  SeamMeter seams(recording, params);
+  tiles.visitShown(all, [&](const ShownTile& shown) {
+    seams.add(shown);
+    const std::vector<float> thicknesses = tiles.work().files().readThicknesses(shown.tile);
+    std::vector<std::uint8_t> records;
+    if (strength) records = recording.readRecords(shown.tile);
+    for (std::size_t i = 0; i < shown.keep.size(); ++i) {
+      if (!shown.keep[i] || number++ % step != 0) continue;
+      const auto column = static_cast<Eigen::Index>(i);
+      for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        sample.positions.push_back(shown.points(axis, column));
+        sample.colors.push_back(byteOf(shown.colors.values(axis, column)));
+        sample.nearest.push_back(shown.colors.nearest[i][static_cast<std::size_t>(axis)]);
+      }
+      sample.counts.push_back(byteOf(shown.colors.count[i]));
+      sample.deviations.push_back(byteOf(shown.colors.stddev[i]));
+      sample.moving.push_back(shown.moving.empty() ? std::uint8_t{0} : shown.moving[i]);
+      sample.cameras.push_back(shown.colors.camera[i]);
+      sample.reasons.push_back(static_cast<std::uint8_t>(shown.colors.unseen[i]));
+      sample.thicknesses.push_back(thicknesses[i]);
+      if (!strength) continue;
+      const double value = numberAt(records.data() + i * record_size + strength->offset, strength->field.type);
+      intensity.push_back(static_cast<float>(value));
     }
-    progress.add(static_cast<std::size_t>(tile.positions.cols()));
+    progress.add(shown.keep.size());
   });
+  if (seams.numBorderCells() > 0) sample.seam = seams.excess();
   if (intensity.size() == sample.size()) {
     const float low = percentile(intensity, 0.01), range = percentile(intensity, 0.99) - low;
     for (const float value : intensity)
@@ -113,13 +124,21 @@ nlohmann::json packSample(const MapSample& sample, std::string& base64, std::siz
   std::string bytes;
   append(bytes, steps, 3, 1);
   append(bytes, sample.colors, 3, step);
-  for (const auto* values : {&sample.counts, &sample.deviations, &sample.moving, &sample.intensity}) {
+  append(bytes, sample.nearest, 3, step);
+  const float scale = std::max(percentile(sample.thicknesses, 0.99), 1e-9F);
+  std::vector<std::uint8_t> thicknesses;
+  for (const float thickness : sample.thicknesses) thicknesses.push_back(byteOf(255 * thickness / scale));
+  const std::initializer_list<const std::vector<std::uint8_t>*> columns = {
+      &sample.counts,  &sample.deviations, &sample.moving,   &sample.reasons,
+      &sample.cameras, &thicknesses,       &sample.intensity};
+  for (const auto* values : columns) {
     append(bytes, *values, 1, step);
   }
   base64 = base64Of(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
   return {{"count", stepFor(sample.size(), step)},
           {"low", {box.min().x(), box.min().y(), box.min().z()}},
           {"step", grid},
+          {"thickness_scale", scale},
           {"has_intensity", !sample.intensity.empty()}};
 }
 

@@ -12,6 +12,7 @@
 #include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/picture/picture.hpp"
+#include "report/edge_pictures.hpp"
 #include "report/facts.hpp"
 #include "report/map_sample.hpp"
 #include "report/page.hpp"
@@ -107,6 +108,14 @@ std::string insideScript(const json& value) {
   return text;
 }
 
+json edgePicturesOf(const Recording& recording, const Params& params, const json& alignment,
+                    const Callbacks& callbacks) {
+  Workspace work(recording, params);
+  work.restoreDamagedViews();
+  work.restoreCorrections();
+  return edgePictures(work, alignment.contains("views") ? alignment["views"] : json(), callbacks);
+}
+
 }  // namespace
 
 json writeReport(const Recording& recording, const Params& params, const RunFacts& run, const std::string& directory,
@@ -114,12 +123,13 @@ json writeReport(const Recording& recording, const Params& params, const RunFact
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   require(!error, "cannot create ", directory, ": ", error.message());
-  json facts = collectFacts(recording, params, run);
-  facts["lights"] = lightsOf(facts);
   const std::size_t drawn = std::max(kMostDrawn, run.max_points);
   const MapSample sample = sampleMap(recording, params, run.summary.num_points, drawn, callbacks);
+  json facts = collectFacts(recording, params, run, sample);
+  facts["lights"] = lightsOf(facts);
   const std::vector<Eigen::Isometry3d> poses = usedPoses(recording, params);
   json page_facts = facts;
+  page_facts["edges"] = edgePicturesOf(recording, params, facts["alignment"], callbacks);
   page_facts["pictures"] = picturesOf(sample, run.summary.num_points, recording, poses);
   page_facts["path"] = pathOf(recording, poses);
   std::string points;

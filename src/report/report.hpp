@@ -19,6 +19,7 @@ struct RunFacts {
   std::vector<std::string> warnings;
   std::string name;                  ///< of the map or its recording, without a path
   std::string program;               ///< "colorize_bag 0.2.0"
+  std::vector<std::string> command;  ///< as it was given; with folders where the user wants them told
   std::size_t max_points = 400'000;  ///< of the map in the page
 };
 

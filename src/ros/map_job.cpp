@@ -6,9 +6,13 @@
 #include <ros/console.h>
 
 #include <cmath>
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
 
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/map/colorize.hpp"
+#include "report/report.hpp"
 #include "ros/node_log.hpp"
 
 namespace cloud_colorizer {
@@ -64,11 +68,19 @@ JobResult MapJob::run(const std::string& what, const std::function<std::string(c
 }
 
 std::string MapJob::color(const Recording& recording, const Callbacks& callbacks) {
-  const ColorizeSummary summary = cloud_colorizer::colorize(recording, params_, callbacks);
+  std::vector<std::string> warnings;
+  Callbacks noting = callbacks;
+  noting.log = [&](LogLevel level, const std::string& text) {
+    if (level == LogLevel::kWarning) warnings.push_back(text);
+    callbacks.log(level, text);
+  };
+  const ColorizeSummary summary = cloud_colorizer::colorize(recording, params_, noting);
   {
     const std::lock_guard<std::mutex> lock(state_mutex_);
     status_.num_colored = summary.num_colored;
     colored_ = recording;
+    summary_ = summary;
+    warnings_ = std::move(warnings);
   }
   publish_(recording, params_);
   return summary.describe();
@@ -92,9 +104,34 @@ JobResult MapJob::save(const Snapshot& snapshot, const std::function<std::string
     if (!isColored(recording)) ROS_INFO_STREAM(color(recording, callbacks));
     const std::string file = path();
     const std::size_t num_points = saveColored(recording, params_, file, callbacks);
-    return std::to_string(num_points) + " points written to " + file;
+    return std::to_string(num_points) + " points written to " + file +
+           (with_report_ ? report(recording, file, callbacks) : "");
   };
   return run("save", job, aborted);
+}
+
+std::string MapJob::reportFolder(const std::string& map) {
+  const std::filesystem::path path(map);
+  return (path.parent_path() / path.stem()).string() + "_report";
+}
+
+std::string MapJob::report(const Recording& recording, const std::string& map, const Callbacks& callbacks) const {
+  RunFacts run;
+  {
+    const std::lock_guard<std::mutex> lock(state_mutex_);
+    run.summary = summary_;
+    run.warnings = warnings_;
+  }
+  run.name = std::filesystem::path(map).filename().string();
+  run.program = "colorizer_node " CLOUD_COLORIZER_VERSION;
+  const std::string folder = reportFolder(map);
+  try {
+    writeReport(recording, params_, run, folder, callbacks);
+    return ", its report to " + folder;
+  } catch (const std::runtime_error& error) {  // the map is there all the same
+    ROS_ERROR_STREAM("the report in " << folder << " is not written: " << error.what());
+    return ", but no report: " + std::string(error.what());
+  }
 }
 
 JobStatus MapJob::status() const {

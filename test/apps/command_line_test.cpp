@@ -122,6 +122,8 @@ TEST(CommandLine, ProgressTellsShareRateAndTimeLeft) {
   progress.points_per_second = 210000;
   progress.seconds_left = 11.2;
   EXPECT_EQ(describeProgress(progress), "colour 45 % (9 of 20), 210000 points/s, 12 s left");
+  EXPECT_EQ(describeProgress(progress, true),
+            "colour [#########-----------] 45 % (9 of 20), 210000 points/s, 12 s left");
 }
 
 TEST(CommandLine, CtrlCAsksTheTaskToStop) {  // last: the flag stays set

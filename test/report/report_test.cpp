@@ -4,14 +4,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/file_io.hpp"
+#include "cloud_colorizer/map/chunks.hpp"
 #include "cloud_colorizer/recording/recorder.hpp"
 #include "core/scratch.hpp"
+#include "report/consistency.hpp"
 #include "report/facts.hpp"
 #include "report/map_sample.hpp"
+#include "report/seams.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -86,14 +90,18 @@ TEST_F(Report, LightsTurnRedByWhatIsWrong) {
     return "";
   };
   const Recording recording = Recording::open(scratch_ / "drive");
-  json facts = collectFacts(recording, params_, run_);
+  json facts = collectFacts(recording, params_, run_, sampleMap(recording, params_, 1600, 1600, {}));
   EXPECT_EQ(stateOf(facts, "Calibration and clocks"), "red");
   EXPECT_EQ(stateOf(facts, "Coloured"), "green");
-  EXPECT_EQ(stateOf(facts, "Held-out colour error"), "grey");  // nothing was aligned
+  EXPECT_EQ(stateOf(facts, "Held-out colour error"), "grey");  // no point has three views
+  EXPECT_EQ(stateOf(facts, "Overlap"), "red");
+  EXPECT_EQ(stateOf(facts, "Masks"), "grey");
+  EXPECT_EQ(stateOf(facts, "What moved"), "grey");
   facts["warnings"] = json::array();
   facts["map"]["disagreement"] = 0.8;
   facts["map"]["colored_share_in_reach"] = 0.2;
-  facts["alignment"]["heldout_error"] = 20;
+  facts["heldout"]["error"] = 20;
+  facts["heldout"]["points"] = 100;
   facts["alignment"]["gain_range"] = 12;
   facts["alignment"]["median_shift_of_width"] = 0.001;
   EXPECT_EQ(stateOf(facts, "Calibration and clocks"), "grey");
@@ -102,6 +110,64 @@ TEST_F(Report, LightsTurnRedByWhatIsWrong) {
   EXPECT_EQ(stateOf(facts, "Held-out colour error"), "yellow");
   EXPECT_EQ(stateOf(facts, "Exposure"), "red");
   EXPECT_EQ(stateOf(facts, "Poses"), "green");
+}
+
+HeldOut sightAt(int column, int row, std::uint8_t error) {
+  return {0, static_cast<std::uint8_t>(row * kHeldOutColumns + column), error};
+}
+
+TEST(WorstPart, IsWhereAllImagesContradictTheOthers) {
+  std::vector<CameraErrors> cameras(1);
+  for (int row = 0; row < kHeldOutRows; ++row) {
+    for (int column = 0; column < kHeldOutColumns; ++column) {
+      for (int i = 0; i < 40; ++i) cameras[0].add(sightAt(column, row, static_cast<std::uint8_t>(5 + i % 5)));
+    }
+  }
+  EXPECT_EQ(worstPart(cameras).error_ratio, 0);
+  for (int i = 0; i < 400; ++i) cameras[0].add(sightAt(3, 3, 60));  // one cell is a chance
+  EXPECT_EQ(worstPart(cameras).error_ratio, 0);
+  for (int column = 4; column < 12; ++column) {  // a bonnet
+    for (int i = 0; i < 400; ++i) cameras[0].add(sightAt(column, kHeldOutRows - 1, 60));
+  }
+  const BadPart part = worstPart(cameras);
+  EXPECT_GT(part.error_ratio, 5);
+  EXPECT_EQ(part.left, 0.25);
+  EXPECT_EQ(part.right, 0.75);
+  EXPECT_EQ(part.bottom, 1);
+  EXPECT_NEAR(cameras[0].median(), 60, 55);
+  EXPECT_EQ(cameras[0].count(), 40U * 192 + 400 * 9);
+}
+
+TEST(SeamMeter, SeesAStepAtTheBorderOfChunksOnly) {
+  ScratchDirectory scratch;
+  RecordParams record;
+  record.voxel_size = 0, record.min_range = 0, record.max_range = 100, record.tile_size = 1;
+  Recorder recorder(scratch / "r", "map", record);
+  Cloud cloud;
+  cloud.positions = Eigen::Matrix3Xd::Random(3, 60000).cwiseAbs();
+  cloud.positions.row(0) *= 8;
+  cloud.positions.row(2) *= 0.01;
+  recorder.addCloud(cloud, Eigen::Isometry3d::Identity());
+  const Recording recording = recorder.snapshot();
+  Params params;
+  params.chunks.max_chunk_points = 40000;  // of eight tiles
+  const std::vector<Chunk> chunks = planChunks(recording.tiles(), recording.tileSize(), params.chunks);
+  ASSERT_EQ(chunks.size(), 2U);
+  for (const float step : {0.F, 6.F}) {
+    SeamMeter meter(recording, params);
+    for (std::size_t tile = 0; tile < recording.tiles().size(); ++tile) {
+      ShownTile shown;
+      shown.tile = tile;
+      shown.points = recording.readPoints(tile);
+      const auto& first = chunks[0].core_tiles;
+      const bool is_first = std::find(first.begin(), first.end(), tile) != first.end();
+      shown.colors.values = Values::Random(3, shown.points.cols()).array() * 3 + (is_first ? 100 : 100 + step);
+      shown.colors.count.assign(static_cast<std::size_t>(shown.points.cols()), 3);
+      meter.add(shown);
+    }
+    EXPECT_GT(meter.numBorderCells(), 20U);
+    EXPECT_NEAR(meter.excess(), step, 1) << meter.numBorderCells();
+  }
 }
 
 TEST_F(Report, ConditionsAskForItsNumbers) {
@@ -121,7 +187,7 @@ TEST_F(Report, TheMapIsThinnedToAsManyPointsAsAreAskedFor) {
   EXPECT_EQ(sample.intensity.size(), 400U);
   std::string base64;
   EXPECT_EQ(packSample(sample, base64)["count"], 400);
-  EXPECT_EQ(base64.size(), (400U * 13 + 2) / 3 * 4);
+  EXPECT_EQ(base64.size(), (400U * 19 + 2) / 3 * 4);
 }
 
 TEST(Base64, IsThatOfOthers) {

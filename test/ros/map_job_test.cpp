@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <future>
 #include <thread>
 
@@ -72,6 +73,22 @@ TEST_F(MapJobTest, SavingColoursOnlyWhatIsNew) {
   EXPECT_EQ(num_published_, 2);
   EXPECT_EQ(CloudReader(scratch_ / "c.ply").numPoints(), snapshot()().numPoints());
   EXPECT_GT(CloudReader(scratch_ / "c.ply").numPoints(), CloudReader(scratch_ / "b.ply").numPoints());
+}
+
+TEST_F(MapJobTest, AReportIsWrittenBesideTheMapWhereItIsAskedFor) {
+  EXPECT_TRUE(save("plain.ply").success);
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "plain_report"));
+  MapJob job(
+      params_, [](const Recording&, const Params&) {}, true);
+  const JobResult result = job.save(snapshot(), [this] { return scratch_ / "map.ply"; }, {});
+  EXPECT_TRUE(result.success) << result.message;
+  EXPECT_TRUE(std::filesystem::exists(scratch_ / "map_report/report.html"));
+  EXPECT_TRUE(std::filesystem::exists(scratch_ / "map_report/report.json"));
+  writeText(scratch_ / "other_report", "a file");
+  const JobResult without = job.save(snapshot(), [this] { return scratch_ / "other.ply"; }, {});
+  EXPECT_TRUE(without.success);
+  EXPECT_NE(without.message.find("but no report"), std::string::npos) << without.message;
+  EXPECT_EQ(MapJob::reportFolder("/a/b.c/map"), "/a/b.c/map_report");
 }
 
 TEST_F(MapJobTest, ForgottenMapIsColouredAgain) {

@@ -86,6 +86,12 @@ struct CameraAlignment {
   bool calibration_suspect = false;  ///< the shared correction alone explains it, at all moments and places
 };
 
+/// How well the images agree where all clocks are off by so much.
+struct ClockTrial {
+  double offset = 0;  ///< s
+  double cost = 0;    ///< robust, per weight of the points; the least is the best
+};
+
 struct AlignmentResult {
   std::vector<ViewAlignment> views;
   std::vector<CameraAlignment> cameras;
@@ -94,9 +100,10 @@ struct AlignmentResult {
   /// grey levels: mean distance of held-back points to what the other views predict, with the poses as they came and as
   /// they were corrected; standard error of the difference
   double residual_before = 0, residual_after = 0, residual_error = 0;
-  bool corrections_kept = false;  ///< of poses; they are only if the second is proven to be better
-  double pixels = 0;              ///< median over the views of their median shift
-  double thickness = 0;           ///< m, of the slab that the points of a surface make: twice their scatter
+  bool corrections_kept = false;         ///< of poses; they are only if the second is proven to be better
+  double pixels = 0;                     ///< median over the views of their median shift
+  std::vector<ClockTrial> clock_trials;  ///< by offset; empty where nothing moves
+  double thickness = 0;                  ///< m, of the slab that the points of a surface make: twice their scatter
   double seconds = 0;
 };
 
@@ -106,6 +113,9 @@ AlignmentResult align(const AlignmentInput& input, const AlignmentParams& params
 
 std::string describe(const AlignmentResult& result);  ///< a paragraph without the warnings
 std::string alignmentCsv(const AlignmentResult& result, const std::vector<View>& views);  ///< one line a view
+/// All of it for programs; `ids`: what each view is called.
+std::string alignmentJson(const AlignmentResult& result, const std::vector<View>& views,
+                          const std::vector<std::size_t>& ids);
 cv::Mat3b alignmentPicture(const AlignmentResult& result);  ///< BGR: corrections, gains and residuals by view
 
 }  // namespace cloud_colorizer

@@ -18,6 +18,13 @@
 
 namespace cloud_colorizer {
 
+/// What a stage took of a run that did it.
+struct StageCost {
+  std::string name;
+  double seconds = 0, cpu_seconds = 0;
+  double peak_megabytes = 0;  ///< resident, of the program up to its end
+};
+
 struct ColorizeSummary {
   std::size_t num_points = 0, num_colored = 0;
   std::array<std::size_t, 6> by_reason{};  ///< number of points, by Unseen
@@ -26,7 +33,8 @@ struct ColorizeSummary {
   /// where too few points were seen twice. Near 1, the views tell no more about a point than about any other.
   double disagreement = 0;
   double seconds = 0;
-  std::string describe() const;  ///< one line for the log
+  std::vector<StageCost> stages;  ///< in their order
+  std::string describe() const;   ///< one line for the log
 };
 
 /// Colours every tile: surfels, depth images, (alignment,) chunks. A view whose image is damaged is left out. Finished

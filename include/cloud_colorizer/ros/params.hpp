@@ -21,6 +21,7 @@ struct NodeParams {
   std::string recording_dir;            ///< empty: a new one below $ROS_HOME/cloud_colorizer
   std::string save_path;                ///< empty: nothing is saved on shutdown
   std::string save_dir;                 ///< below which ~save_map may write; empty: the recording's parent directory
+  bool report = false;                  ///< beside every map that is saved, map_report/report.html
   std::string image_transport = "raw";  ///< raw, compressed, or another with a plugin for image_transport
   std::vector<std::string> camera_transports = std::vector<std::string>(1);  ///< by camera; empty: image_transport
   double colorize_after = 0;           ///< s without any message after which the map is coloured; 0: never
@@ -68,6 +69,7 @@ void visitNodeParams(NodeParamsT& p, F&& f) {
   f("recording_dir", p.recording_dir, "directory of the recording; empty: a new one below ~/.ros/cloud_colorizer");
   f("save_path", p.save_path, ".ply, .pcd or .las; the map is coloured and saved there on shutdown");
   f("save_dir", p.save_dir, "directory that holds what ~save_map may write; empty: the one around the recording");
+  f("report", p.report, "true: beside every map that is saved, say drive.ply, drive_report/report.html");
   f("image_transport", p.image_transport,
     "raw, compressed (files kept as received), or another one that image_transport has a plugin for");
   f("colorize_after", p.colorize_after, "s without a message after which the map is coloured; 0: never");

@@ -83,7 +83,7 @@ void Aligner::look(bool all, std::size_t points) {
   constexpr double kMovedPixels = 1.5;  // of its small image
   workers_.forEach(input_.views.size(), [&](std::size_t v) {
     const int step = smallStep(input_.cameras[cameraOf(v)].intrinsics());
-    if (!all && pixelsOf(v, seen_at_) < kMovedPixels * step) return;
+    if (!all && pixelsOf(v, seen_at_, state_) < kMovedPixels * step) return;
     const Eigen::Isometry3d pose = correctedPose(input_.views[v], state_.views[v]);
     sights_[v] = findSights(input_, runs_, v, pose, max_points_);
     seen_at_.views[v] = state_.views[v];

@@ -54,13 +54,14 @@ class Aligner {
   std::uint32_t cameraOf(std::size_t view) const { return input_.views[view].camera; }
   Twist expected(std::size_t view) const;
   PoseState uncorrected() const;
-  double pixelsOf(std::size_t view, const PoseState& from) const;
+  double pixelsOf(std::size_t view, const PoseState& from, const PoseState& to) const;
 
   // diagnosis.cpp: what a correction that is kept says about the recording
   void findClocks();
   void suspectClocks(const PoseData& data, const PoseState& clocks, const PoseState& all);
   void suspectCalibration(const PoseData& data);
-  bool explains(const PoseData& data, const Showing (&shown)[3], std::uint32_t camera) const;
+  bool explains(const PoseData& data, const Showing (&shown)[3], std::uint32_t camera, double share) const;
+  double medianShift(std::uint32_t camera, const PoseState& from, const PoseState& to) const;
   void warnAboutCamera(std::uint32_t c);
 
   const AlignmentInput& input_;

@@ -9,6 +9,11 @@
 #include "base/robust.hpp"
 
 namespace cloud_colorizer::alignment {
+namespace {
+
+constexpr double kNearlyAll = 0.7;  // of what a whole correction does
+
+}  // namespace
 
 // The clocks are always looked at, because they are the commonest fault; they are corrected only if asked for.
 void Aligner::findClocks() {
@@ -17,7 +22,7 @@ void Aligner::findClocks() {
   updateGains(data);
   PosePriors free = priors_;
   free.time_sigmas.assign(input_.cameras.size(), params_.time_offset_prior);
-  const double common = searchTimeOffset(data, free, state_);
+  const double common = searchTimeOffset(data, free, state_, result_.clock_trials);
   PoseState state = state_, clocks = state_;
   for (double& offset : state.time_offsets) offset = common;
   for (std::size_t v = 0; v < state.views.size(); ++v) state.views[v] += common * priors_.velocities[v];
@@ -54,15 +59,14 @@ void Aligner::suspectClocks(const PoseData& data, const PoseState& clocks, const
   const Showing other = alignment::show(proof, blocks_, places);
   for (std::uint32_t c = 0; c < input_.cameras.size(); ++c) {
     const Choice choice = Choice::ofCamera(c, input_.views);
-    result_.cameras[c].time_offset_suspect = matters(clocks.time_offsets[c]) && explains(proof, shown, c) &&
+    result_.cameras[c].time_offset_suspect = matters(clocks.time_offsets[c]) && explains(proof, shown, c, kNearlyAll) &&
                                              evidence(tracks, blocks_, other, shown[1], choice).isProven();
   }
 }
 
-// Whether a part of a correction does nearly all that the whole does, early and late, at the left and at the right.
+// Whether a part of a correction does a share of what the whole does, early and late, at the left and at the right.
 // `shown`: without, with the part, with the whole.
-bool Aligner::explains(const PoseData& data, const Showing (&shown)[3], std::uint32_t camera) const {
-  constexpr double kNearlyAll = 0.7;
+bool Aligner::explains(const PoseData& data, const Showing (&shown)[3], std::uint32_t camera, double share) const {
   const Choice all = Choice::ofCamera(camera, input_.views);
   if (!evidence(*data.tracks, blocks_, shown[0], shown[1], all).isProven()) return false;
   std::vector<std::size_t> by_time = all.counted;
@@ -77,30 +81,39 @@ bool Aligner::explains(const PoseData& data, const Showing (&shown)[3], std::uin
           half};
       const Evidence part = evidence(*data.tracks, blocks_, shown[0], shown[1], choice);
       const Evidence whole = evidence(*data.tracks, blocks_, shown[0], shown[2], choice);
-      if (!part.isBetter() || part.main().mean() < kNearlyAll * whole.main().mean()) return false;
+      if (!part.isBetter() || part.main().mean() < share * whole.main().mean()) return false;
     }
   }
   return true;
 }
 
+// A correction of the camera explains its images where it does nearly all that the whole correction does, or helps
+// everywhere and moves them several times as far as what is left to each view: grey levels do not grow with pixels.
 void Aligner::suspectCalibration(const PoseData& data) {
+  constexpr double kSeveralTimes = 3;
   PoseState shared = uncorrected();
   for (std::size_t v = 0; v < shared.views.size(); ++v) shared.views[v] = expected(v);
   const Showing shown[] = {alignment::show(data, blocks_, uncorrected()), alignment::show(data, blocks_, shared),
                            alignment::show(data, blocks_, state_)};
   for (std::uint32_t c = 0; c < input_.cameras.size(); ++c) {
-    result_.cameras[c].calibration_suspect = explains(data, shown, c);
+    const bool dominates = medianShift(c, uncorrected(), shared) > kSeveralTimes * medianShift(c, shared, state_);
+    result_.cameras[c].calibration_suspect = explains(data, shown, c, dominates ? 0 : kNearlyAll);
   }
+}
+
+// Over the views of a camera, px.
+double Aligner::medianShift(std::uint32_t camera, const PoseState& from, const PoseState& to) const {
+  std::vector<float> shifts;
+  for (std::size_t v = 0; v < input_.views.size(); ++v) {
+    if (cameraOf(v) == camera) shifts.push_back(static_cast<float>(pixelsOf(v, from, to)));
+  }
+  return median(std::move(shifts));
 }
 
 // Says no more than the evidence can tell apart.
 void Aligner::warnAboutCamera(std::uint32_t c) {
   const CameraAlignment& camera = result_.cameras[c];
-  std::vector<float> shifts;
-  for (std::size_t v = 0; v < input_.views.size(); ++v) {
-    if (input_.views[v].camera == c) shifts.push_back(static_cast<float>(result_.views[v].pixels));
-  }
-  const double shift = median(std::move(shifts));
+  const double shift = medianShift(c, uncorrected(), state_);
   const double degrees = std::atan(shift / input_.cameras[c].intrinsics().fx) * 180 / M_PI;
   std::ostringstream text;
   text << std::fixed << std::setprecision(3) << "camera_" << c << ": ";

@@ -35,10 +35,10 @@ std::string refusal(double sigmas, const Evidence& evidence) {
 }
 
 // Median shift of a view's points between two corrections, in pixels.
-double Aligner::pixelsOf(std::size_t view, const PoseState& from) const {
+double Aligner::pixelsOf(std::size_t view, const PoseState& from, const PoseState& to) const {
   const Camera camera = input_.cameraOf(view);
   const Eigen::Isometry3d a = correctedPose(input_.views[view], from.views[view]).inverse();
-  const Eigen::Isometry3d b = correctedPose(input_.views[view], state_.views[view]).inverse();
+  const Eigen::Isometry3d b = correctedPose(input_.views[view], to.views[view]).inverse();
   std::vector<float> shifts;
   const std::size_t stride = std::max<std::size_t>(1, sights_[view].size() / 500);
   for (std::size_t i = 0; i < sights_[view].size(); i += stride) {
@@ -164,7 +164,7 @@ void Aligner::report() {
     view.map_from_camera = correctedPose(input_.views[v], state_.views[v]);
     view.rotation = state_.views[v].head<3>().norm() * 180 / M_PI;
     view.translation = state_.views[v].tail<3>().norm();
-    view.pixels = pixelsOf(v, before);
+    view.pixels = pixelsOf(v, before, state_);
     if (view.num_points > 0) pixels.push_back(static_cast<float>(view.pixels));
   }
   result_.pixels = median(std::move(pixels));

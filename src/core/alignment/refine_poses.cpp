@@ -89,7 +89,8 @@ SightValues greyValues(const PoseData& data, const PoseState& state) {
   return {std::move(equations.values), std::move(equations.weights)};
 }
 
-double searchTimeOffset(const PoseData& data, const PosePriors& priors, const PoseState& state) {
+double searchTimeOffset(const PoseData& data, const PosePriors& priors, const PoseState& state,
+                        std::vector<ClockTrial>& trials) {
   constexpr int kSteps = 12;  // to either side
   double fastest = 0, prior = 0;
   for (const Twist& velocity : priors.velocities) fastest = std::max(fastest, velocity.norm());
@@ -107,6 +108,7 @@ double searchTimeOffset(const PoseData& data, const PosePriors& priors, const Po
   double best = 0, least = costAt(0);
   for (int i = -kSteps; i <= kSteps; ++i) {
     const double cost = i == 0 ? least : costAt(i * step);
+    trials.push_back({i * step, cost});
     if (cost < least) {
       least = cost;
       best = i * step;

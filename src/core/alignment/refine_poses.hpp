@@ -36,7 +36,9 @@ PoseRounds refinePoses(const PoseData& data, const PosePriors& priors, PoseState
 
 /// Tries time offsets that all cameras share, within +-4 of their priors' sigma, and returns the best, s; 0 when
 /// nothing moves. The capture range of Gauss-Newton is some pixels; a clock can be off by much more.
-double searchTimeOffset(const PoseData& data, const PosePriors& priors, const PoseState& state);
+/// `trials` takes what was tried.
+double searchTimeOffset(const PoseData& data, const PosePriors& priors, const PoseState& state,
+                        std::vector<ClockTrial>& trials);
 
 /// Grey level of every observation, without gain.
 SightValues greyValues(const PoseData& data, const PoseState& state);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 
@@ -131,6 +132,46 @@ std::string alignmentCsv(const AlignmentResult& result, const std::vector<View>&
          << ",\"" << view.reason << "\"\n";
   }
   return text.str();
+}
+
+std::string alignmentJson(const AlignmentResult& result, const std::vector<View>& views,
+                          const std::vector<std::size_t>& ids) {
+  using nlohmann::json;
+  json rows = json::array(), cameras = json::array(), trials = json::array();
+  for (std::size_t v = 0; v < result.views.size(); ++v) {
+    const ViewAlignment& view = result.views[v];
+    rows.push_back({ids[v], views[v].camera, views[v].stamp, view.num_points, view.rotation, view.translation,
+                    view.pixels, gain(view, 0), gain(view, 1), gain(view, 2), view.weight, view.residual_before,
+                    view.residual_after, view.refused ? 1 : 0});
+  }
+  for (const CameraAlignment& camera : result.cameras) {
+    cameras.push_back({{"rotation_deg", camera.rotation},
+                       {"translation_m", camera.translation},
+                       {"vignetting", {camera.vignetting[0], camera.vignetting[1]}},
+                       {"time_offset_s", camera.time_offset},
+                       {"time_offset_stddev_s", camera.time_offset_stddev},
+                       {"time_offset_suspect", camera.time_offset_suspect},
+                       {"calibration_suspect", camera.calibration_suspect}});
+  }
+  for (const ClockTrial& trial : result.clock_trials) trials.push_back({trial.offset, trial.cost});
+  return json{{"text", describe(result)},
+              {"warnings", result.warnings},
+              {"poses_aligned", result.poses_aligned},
+              {"exposure_aligned", result.exposure_aligned},
+              {"corrections_kept", result.corrections_kept},
+              {"residual_before", result.residual_before},
+              {"residual_after", result.residual_after},
+              {"residual_error", result.residual_error},
+              {"thickness_m", result.thickness},
+              {"clock_trials", trials},
+              {"cameras", cameras},
+              {"views",
+               {{"columns",
+                 {"view", "camera", "stamp", "points", "rotation_deg", "translation_m", "pixels", "gain_r", "gain_g",
+                  "gain_b", "weight", "residual_before", "residual_after", "refused"}},
+                {"rows", rows}}}}
+             .dump(1, ' ', false, json::error_handler_t::replace) +
+         '\n';
 }
 
 cv::Mat3b alignmentPicture(const AlignmentResult& result) {

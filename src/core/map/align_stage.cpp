@@ -81,7 +81,8 @@ AlignmentInput makeInput(Workspace& work, const Callbacks& callbacks) {
 }
 
 /// Text, numbers and a picture of what was found.
-void writeReport(const DerivedFiles& files, const std::vector<View>& views, const AlignmentResult& result) {
+void writeReport(const DerivedFiles& files, const std::vector<View>& views, const std::vector<std::size_t>& ids,
+                 const AlignmentResult& result) {
   const auto write = [&](const std::string& name, const auto& bytes) {
     writeFileAtomically(files.pathOf(kAlignmentFolder + ('/' + name)), bytes.data(), bytes.size());
   };
@@ -89,6 +90,7 @@ void writeReport(const DerivedFiles& files, const std::vector<View>& views, cons
   for (const std::string& warning : result.warnings) text += "Warning: " + warning + '\n';
   write("report.txt", text);
   write("views.csv", alignmentCsv(result, views));
+  write(kAlignmentJson, alignmentJson(result, views, ids));
   std::vector<std::uint8_t> png;
   cv::imencode(".png", alignmentPicture(result), png);
   write("report.png", png);
@@ -105,7 +107,7 @@ void alignViews(Workspace& work, UnitRange units, const Callbacks& callbacks) {
     const ViewAlignment& view = result.views[k];
     corrected[work.usableViews()[k]] = {view.map_from_camera, view.exposure, view.weight};
   }
-  writeReport(files, input.views, result);
+  writeReport(files, input.views, work.usableViews(), result);
   files.writeCorrections(corrected);
   if (callbacks.log) {
     callbacks.log(LogLevel::kInfo, describe(result));

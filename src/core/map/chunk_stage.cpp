@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -8,6 +9,7 @@
 #include "base/progress.hpp"
 #include "cloud_colorizer/color/point_colors.hpp"
 #include "cloud_colorizer/map/chunks.hpp"
+#include "color/held_out.hpp"
 #include "map/fingerprint.hpp"
 #include "map/memory_budget.hpp"
 #include "map/memory_plan.hpp"
@@ -63,12 +65,51 @@ std::vector<std::vector<Index>> coreColumns(const Workspace& work, const Chunk& 
   return columns;
 }
 
-TileColors gatherColors(const Fused& colors, const std::vector<Unseen>& unseen, const std::vector<Index>& columns) {
-  TileColors tile{gatherColumns(colors.values, columns).cwiseMax(0.F), {}, {}, {}};
+/// What the nearest view of each point shows, in its own exposure.
+struct NearestViews {
+  std::vector<std::array<std::uint8_t, 3>> values;
+  std::vector<std::uint8_t> cameras;
+};
+
+NearestViews nearestViews(const Workspace& work, const Observations& observations) {
+  const std::vector<std::uint32_t> nearest = nearestObservations(observations);
+  NearestViews shown{std::vector<std::array<std::uint8_t, 3>>(nearest.size()),
+                     std::vector<std::uint8_t>(nearest.size())};
+  for (std::size_t p = 0; p < nearest.size(); ++p) {
+    if (nearest[p] == observations.numObservations()) continue;
+    const std::uint32_t view = observations.views[nearest[p]];
+    const Eigen::ArrayXf& gain = work.corrections()[view].exposure.gain;
+    for (Index channel = 0; channel < 3; ++channel) {
+      const Index row = std::min(channel, observations.values.rows() - 1);  // of a grey image
+      const float value = observations.values(row, nearest[p]) / (row < gain.size() ? gain[row] : 1.F);
+      shown.values[p][static_cast<std::size_t>(channel)] =
+          static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
+    }
+    shown.cameras[p] = static_cast<std::uint8_t>(std::min(work.recording().views()[view].camera, 255U));
+  }
+  return shown;
+}
+
+SightPlace sightPlace(const Workspace& work, std::uint32_t view, const Eigen::Vector3f& point) {
+  const Camera& camera = work.cameraOf(view);
+  const Eigen::Isometry3f camera_from_map = work.corrections()[view].map_from_camera.inverse().cast<float>();
+  SightPlace sight{work.recording().views()[view].camera, {0, 0}};
+  if (const auto pixel = camera.project(camera_from_map * point)) {
+    const Intrinsics& k = camera.intrinsics();
+    sight.place = pixel->cwiseQuotient(Eigen::Vector2i(k.width, k.height).cast<float>());
+  }
+  return sight;
+}
+
+TileColors gatherColors(const Fused& colors, const std::vector<Unseen>& unseen, const NearestViews& nearest,
+                        const std::vector<Index>& columns) {
+  TileColors tile{gatherColumns(colors.values, columns).cwiseMax(0.F), {}, {}, {}, {}, {}};
   for (const Index k : columns) {
     tile.count.push_back(static_cast<std::uint16_t>(std::min(colors.count[k], 65535)));
     tile.stddev.push_back(colors.stddev[k]);
     tile.unseen.push_back(unseen[static_cast<std::size_t>(k)]);
+    tile.nearest.push_back(nearest.values[static_cast<std::size_t>(k)]);
+    tile.camera.push_back(nearest.cameras[static_cast<std::size_t>(k)]);
   }
   return tile;
 }
@@ -97,19 +138,22 @@ void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid) {
   ObserveResult seen = observe(surface.points, surface.surfels, views.size(), viewAt, params.depth, params.observe);
   const auto core_columns = coreColumns(work, chunk, order);
   const double cell = toneCellSize(work.recording());
-  std::vector<ToneCells> tones;
-  tones.reserve(core_columns.size());
+  const auto placeOf = [&](std::uint32_t view, const Eigen::Vector3f& point) { return sightPlace(work, view, point); };
+  std::vector<TileViews> of_views;
+  of_views.reserve(core_columns.size());
   for (const auto& columns : core_columns) {
-    tones.push_back(countViews(surface.points, columns, seen.observations, cell));
+    of_views.push_back({countViews(surface.points, columns, seen.observations, cell),
+                        leaveOneOut(surface.points, columns, seen.observations, placeOf)});
   }
+  const NearestViews nearest = nearestViews(work, seen.observations);
   Fused colors = colorPoints(surface.points, std::move(seen.observations), grid, params.colorize.method, params.graph,
                              params.system);
   // Without a view nothing tells the number of channels.
   if (views.empty()) colors.values = Values::Zero(3, surface.size());
   for (std::size_t i = 0; i < core_columns.size(); ++i) {
-    const TileColors tile = gatherColors(colors, seen.unseen, core_columns[i]);
-    addPeaks(gatherColumns(surface.points, core_columns[i]), tile.values, cell, tones[i]);
-    work.files().writeColors(chunk.core_tiles[i], tile, tones[i]);
+    const TileColors tile = gatherColors(colors, seen.unseen, nearest, core_columns[i]);
+    addPeaks(gatherColumns(surface.points, core_columns[i]), tile.values, cell, of_views[i].tone);
+    work.files().writeColors(chunk.core_tiles[i], tile, of_views[i]);
   }
 }
 
@@ -126,7 +170,7 @@ std::vector<double> pointsOfChunks(const Workspace& work) {
 UnitFiles filesOf(const Workspace& work) {
   UnitFiles files;
   for (const Chunk& chunk : chunksOf(work)) {
-    files.push_back(work.files().namesOfTiles(chunk.core_tiles, kToneExtension));
+    files.push_back(work.files().namesOfTiles(chunk.core_tiles, kViewsExtension));
   }
   return files;
 }

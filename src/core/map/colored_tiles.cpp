@@ -42,17 +42,8 @@ bool marksMoving(const Recording& recording, const Params& params) {
   return params.colorize.moving == Moving::kMark && findsMoving(recording, params);
 }
 
-/// What is saved of a tile, one column or element a point.
-struct TileToSave {
-  Points points;
-  TileColors colors;                 ///< as they are shown: 0 to 255
-  Values radiance;                   ///< 3 x n, or empty: not saved
-  std::vector<std::uint8_t> moving;  ///< or empty: not saved
-  std::vector<bool> keep;            ///< false: left out
-};
-
 /// Of point i. rgb is 0x00RRGGBB, which rviz and PCL read as FLOAT32.
-std::uint8_t* writeColor(const TileToSave& tile, std::size_t i, std::uint8_t* out) {
+std::uint8_t* writeColor(const ShownTile& tile, std::size_t i, std::uint8_t* out) {
   const auto append = [&out](const void* data, std::size_t size) {
     out = std::copy_n(static_cast<const std::uint8_t*>(data), size, out);
   };
@@ -97,8 +88,8 @@ std::vector<Field> mapFields(const Recording& recording, bool with_radiance, boo
   return fields;
 }
 
-Cloud makeCloud(const Recording& recording, std::size_t tile, const TileToSave& saved, bool relative) {
-  const std::vector<std::uint8_t> records = recording.readRecords(tile);
+Cloud makeCloud(const Recording& recording, const ShownTile& saved, bool relative) {
+  const std::vector<std::uint8_t> records = recording.readRecords(saved.tile);
   const std::vector<Field> kept = keptFields(recording.fields());
   const RecordMap record_map(recording.fields(), kept);
   const std::size_t in_bytes = recordSize(recording.fields()), kept_bytes = recordSize(kept);
@@ -154,17 +145,21 @@ std::size_t ColoredTiles::countPoints(const TileIds& tiles) const {
 }
 
 void ColoredTiles::visit(const TileIds& tiles, bool relative, const std::function<void(const Cloud&)>& visitor) {
+  visitShown(tiles, [&](const ShownTile& shown) { visitor(makeCloud(recording(), shown, relative)); });
+}
+
+void ColoredTiles::visitShown(const TileIds& tiles, const std::function<void(const ShownTile&)>& visitor) {
   const ColorizeParams& params = work_.params().colorize;
   const bool marks = marksMoving(recording(), work_.params());
   if (!tone_) tone_ = makeTone(work_);
   for (const std::size_t tile : tiles) {
-    TileToSave saved{recording().readPoints(tile), work_.files().readColors(tile), {}, movingOf(tile), {}};
+    ShownTile saved{tile, recording().readPoints(tile), work_.files().readColors(tile), {}, movingOf(tile), {}};
     if (params.uncolored == Uncolored::kFill) fillUncolored(work_, tile, saved.colors);
     saved.keep = kept(saved.colors, saved.moving);
     if (!marks) saved.moving.clear();
     if (params.tone == Tone::kRadiance) saved.radiance = saved.colors.values;
     show(*tone_, saved.points, saved.colors);
-    visitor(makeCloud(recording(), tile, saved, relative));
+    visitor(saved);
   }
 }
 

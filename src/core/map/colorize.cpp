@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_colorizer/map/colorize.hpp"
 
+#include <utility>
+
 #include "base/stop_watch.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "map/parts.hpp"
@@ -34,14 +36,19 @@ ColorizeSummary colorize(const Recording& recording, const Params& params, const
     const auto megabytes = static_cast<long>(work.memory().limit() / 1e6);
     callbacks.log(LogLevel::kInfo, "memory_limit: " + std::to_string(megabytes) + " MB");
   }
+  std::vector<StageCost> costs;
   for (const Stage& stage : allStages()) {
     const std::size_t num_units = stage.units(work).size();
     if (num_units == 0) continue;
+    StopWatch wall;
+    ProcessorWatch processor;
     work.files().claim(stage.folder, stage.key(work));
     stage.run(work, {0, num_units}, callbacks);
     if (stage.handOn) stage.handOn(work, callbacks);
+    costs.push_back({stage.name, wall.lap(), processor.lap(), MemoryPlan::peakMegabytes()});
   }
   ColorizeSummary summary = summarize(work);
+  summary.stages = std::move(costs);
   summary.seconds = watch.lap();
   return summary;
 }

@@ -24,8 +24,8 @@ namespace fs = std::filesystem;
 
 const std::string kCorrections = std::string(kAlignmentFolder) + '/' + kCorrectionsFile;
 constexpr std::size_t kViewsPerBlock = 64;
-/// Bytes of a point's colour, count, deviation and reason.
-constexpr std::size_t kColorBytes = 4 * sizeof(float) + sizeof(std::uint16_t) + 1;
+/// Bytes of a point's colour, count, deviation, reason, and what its nearest view shows.
+constexpr std::size_t kColorBytes = 4 * sizeof(float) + sizeof(std::uint16_t) + 1 + 3 + 1;
 
 }  // namespace
 
@@ -106,15 +106,15 @@ std::vector<std::uint8_t> DerivedFiles::readMoving(std::size_t tile) const {
 }
 
 bool DerivedFiles::hasColors(std::size_t tile) const {
-  return readWholeBlob(tileFile(kColorsFolder, tile, kToneExtension)).has_value() &&
+  return readWholeBlob(tileFile(kColorsFolder, tile, kViewsExtension)).has_value() &&
          isWholeBlob(tileFile(kColorsFolder, tile), kColorBytes * recording_.tiles()[tile].num_points);
 }
 
-void DerivedFiles::writeColors(std::size_t tile, const TileColors& colors, const ToneCells& tone) const {
+void DerivedFiles::writeColors(std::size_t tile, const TileColors& colors, const TileViews& of_views) const {
   BlobWriter cells, blob;
-  const auto count = static_cast<std::uint32_t>(tone.size());
+  const auto count = static_cast<std::uint32_t>(of_views.tone.size());
   cells.add(&count, 1);
-  for (const auto& [cell, sum] : tone) {
+  for (const auto& [cell, sum] : of_views.tone) {
     const auto views = static_cast<std::uint32_t>(sum.views.size());
     cells.add(cell);
     cells.add(&sum.peak, 1);
@@ -124,40 +124,53 @@ void DerivedFiles::writeColors(std::size_t tile, const TileColors& colors, const
       cells.add(&number, 1);
     }
   }
-  cells.save(tileFile(kColorsFolder, tile, kToneExtension));
+  const auto num_held_out = static_cast<std::uint32_t>(of_views.held_out.size());
+  cells.add(&num_held_out, 1);
+  cells.add(of_views.held_out);
+  cells.save(tileFile(kColorsFolder, tile, kViewsExtension));
   blob.add(colors.values);
   blob.add(colors.count);
   blob.add(colors.stddev);
   blob.add(colors.unseen);
+  blob.add(colors.nearest);
+  blob.add(colors.camera);
   blob.save(tileFile(kColorsFolder, tile));
 }
 
 TileColors DerivedFiles::readColors(std::size_t tile) const {
   const std::size_t count = recording_.tiles()[tile].num_points;
-  TileColors colors{Values(3, static_cast<Eigen::Index>(count)), std::vector<std::uint16_t>(count),
-                    std::vector<float>(count), std::vector<Unseen>(count)};
+  TileColors colors{Values(3, static_cast<Eigen::Index>(count)),
+                    std::vector<std::uint16_t>(count),
+                    std::vector<float>(count),
+                    std::vector<Unseen>(count),
+                    std::vector<std::array<std::uint8_t, 3>>(count),
+                    std::vector<std::uint8_t>(count)};
   BlobReader blob(tileFile(kColorsFolder, tile));
   blob.read(colors.values);
   blob.read(colors.count);
   blob.read(colors.stddev);
   blob.read(colors.unseen);
+  blob.read(colors.nearest);
+  blob.read(colors.camera);
   return colors;
 }
 
-ToneCells DerivedFiles::readTone(std::size_t tile) const {
-  BlobReader blob(tileFile(kColorsFolder, tile, kToneExtension));
-  ToneCells cells;
+TileViews DerivedFiles::readViews(std::size_t tile) const {
+  BlobReader blob(tileFile(kColorsFolder, tile, kViewsExtension));
+  TileViews of_views;
   for (auto left = blob.read<std::uint32_t>(); left > 0; --left) {
     ToneCell cell{};
     blob.read(cell);
-    ToneSum& sum = cells[cell];
+    ToneSum& sum = of_views.tone[cell];
     sum.peak = blob.read<double>();
     for (auto views = blob.read<std::uint32_t>(); views > 0; --views) {
       const auto view = blob.read<std::uint32_t>();
       sum.views[view] = blob.read<double>();
     }
   }
-  return cells;
+  of_views.held_out.resize(blob.read<std::uint32_t>());
+  blob.read(of_views.held_out);
+  return of_views;
 }
 
 void DerivedFiles::writeCorrections(const std::vector<CorrectedView>& views) const {

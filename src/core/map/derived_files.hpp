@@ -4,6 +4,7 @@
 /// What is made from a recording and lies in its directory.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "cloud_colorizer/surface/surfels.hpp"
 #include "cloud_colorizer/visibility/depth_image.hpp"
 #include "cloud_colorizer/visibility/observe.hpp"
+#include "color/held_out.hpp"
 #include "surface/thinned.hpp"
 
 namespace cloud_colorizer {
@@ -27,9 +29,10 @@ constexpr const char* kAlignmentFolder = "alignment";
 constexpr const char* kDepthFolder = "depth";
 constexpr const char* kColorsFolder = "colored";
 
+constexpr const char* kAlignmentJson = "result.json";
 constexpr const char* kCorrectionsFile = "views.bin";  // in the alignment's folder
 constexpr const char* kThinnedExtension = ".thinned";  // of a tile's second file of surfels
-constexpr const char* kToneExtension = ".tone";        // of a tile's second file of colours
+constexpr const char* kViewsExtension = ".views";      // of a tile's second file of colours
 
 /// Colours of one tile, one column a point.
 struct TileColors {
@@ -37,6 +40,14 @@ struct TileColors {
   std::vector<std::uint16_t> count;  ///< views that coloured the point
   std::vector<float> stddev;         ///< over the views
   std::vector<Unseen> unseen;        ///< why no view coloured the point
+  std::vector<std::array<std::uint8_t, 3>> nearest;  ///< what the nearest view that sees it shows, in its own exposure
+  std::vector<std::uint8_t> camera;                  ///< of that view, up to 255
+};
+
+/// What the tiles of a chunk tell of their views.
+struct TileViews {
+  ToneCells tone;
+  std::vector<HeldOut> held_out;
 };
 
 /// A thinned surface in a file.
@@ -88,6 +99,7 @@ class DerivedFiles {
   bool hasSurfels(std::size_t tile) const;
   void writeSurfels(std::size_t tile, const Surfels& surfels, const std::vector<ThinnedSurface>& levels) const;
   Surfels readSurfels(std::size_t tile) const;
+  std::vector<float> readThicknesses(std::size_t tile) const;       ///< m, of each point's surface
   std::vector<ThinnedLevel> thinnedLevels(std::size_t tile) const;  ///< fine to coarse
   Surface readThinned(std::size_t tile, const ThinnedLevel& level) const;
 
@@ -97,9 +109,9 @@ class DerivedFiles {
   DepthImage readDepth(std::size_t view) const;
 
   bool hasColors(std::size_t tile) const;
-  void writeColors(std::size_t tile, const TileColors& colors, const ToneCells& tone) const;
+  void writeColors(std::size_t tile, const TileColors& colors, const TileViews& views) const;
   TileColors readColors(std::size_t tile) const;
-  ToneCells readTone(std::size_t tile) const;
+  TileViews readViews(std::size_t tile) const;
 
   void writeCorrections(const std::vector<CorrectedView>& views) const;
   std::optional<std::vector<CorrectedView>> readCorrections() const;  ///< nothing where they are not whole

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map/memory_plan.hpp"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -29,6 +30,13 @@ double limitOf(double memory_limit_mb) {
 }
 
 }  // namespace
+
+double MemoryPlan::peakMegabytes() {
+  constexpr double kKilobytes = 1024;
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / kKilobytes;
+}
 
 MemoryPlan::MemoryPlan(const Params& params)
     : limit_(limitOf(params.colorize.memory_limit)),

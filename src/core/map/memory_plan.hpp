@@ -15,6 +15,9 @@ class MemoryPlan {
  public:
   explicit MemoryPlan(const Params& params);
 
+  /// What this program had resident at the most since it began.
+  static double peakMegabytes();
+
   double limit() const { return limit_; }  ///< bytes, of all together
 
   // Caches, kept from stage to stage.

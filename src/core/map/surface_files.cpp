@@ -77,6 +77,14 @@ Surfels DerivedFiles::readSurfels(std::size_t tile) const {
   return surfels;
 }
 
+std::vector<float> DerivedFiles::readThicknesses(std::size_t tile) const {
+  constexpr std::size_t kBytesBefore = 5 * sizeof(float);  // of a point: normal, radius, offset
+  std::vector<float> thicknesses(recording_.tiles()[tile].num_points);
+  BlobPieces blob(tileFile(kSurfelsFolder, tile), kBytesBefore * thicknesses.size());
+  blob.read(thicknesses);
+  return thicknesses;
+}
+
 std::vector<ThinnedLevel> DerivedFiles::thinnedLevels(std::size_t tile) const {
   BlobPieces blob(tileFile(kSurfelsFolder, tile, kThinnedExtension));
   std::uint32_t count = 0;

@@ -27,7 +27,7 @@ ToneField makeTone(const Workspace& work) {
   ToneCells all;
   for (std::size_t tile = 0; tile < work.recording().tiles().size(); ++tile) {
     // A point on a tile's side may be rounded into its neighbour's cell.
-    addCells(work.files().readTone(tile), all);
+    addCells(work.files().readViews(tile).tone, all);
   }
   return {all, logGains(work.corrections()), toneCellSize(work.recording()), work.params().colorize.tone};
 }

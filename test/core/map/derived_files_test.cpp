@@ -32,8 +32,12 @@ class DerivedFilesTest : public ::testing::Test {
     image_.edge = cv::Mat1b(5, 4, std::uint8_t{0});
     image_.edge(2, 3) = 255;
     image_.cell_size = 2;
-    colors_ = {
-        Values::Random(3, 7), {1, 2, 3, 4, 5, 6, 7}, {1, 2, 3, 4, 5, 6, 7}, std::vector<Unseen>(7, Unseen::kAbsent)};
+    colors_ = {Values::Random(3, 7),
+               {1, 2, 3, 4, 5, 6, 7},
+               {1, 2, 3, 4, 5, 6, 7},
+               std::vector<Unseen>(7, Unseen::kAbsent),
+               {{1, 2, 3}, {4, 5, 6}, {}, {}, {}, {}, {9, 9, 9}},
+               {1, 0, 2, 0, 0, 0, 3}};
     corrections_.resize(3);
     corrections_[1].map_from_camera.translation() << 1, 2, 3;
     corrections_[1].exposure.gain = Eigen::Array3f(1, 2, 3);
@@ -56,7 +60,7 @@ class DerivedFilesTest : public ::testing::Test {
   void writeAll() {
     files_.writeSurfels(0, surfels_, thinned_);
     files_.writeDepth(2, image_);
-    files_.writeColors(0, colors_, tone_);
+    files_.writeColors(0, colors_, {tone_, held_out_});
     files_.writeCorrections(corrections_);
     files_.writeDamagedViews(0, {1, 2});
   }
@@ -68,6 +72,7 @@ class DerivedFilesTest : public ::testing::Test {
   DepthImage image_;
   TileColors colors_;
   ToneCells tone_ = {{{-1, 0, 2}, {{{0, 0.5}, {2, 3}}, 4}}, {{0, 0, 0}, {{{1, 1}}, 8}}};
+  std::vector<HeldOut> held_out_ = {{1, 20, 7}};
   std::vector<CorrectedView> corrections_;
 };
 
@@ -79,6 +84,8 @@ TEST_F(DerivedFilesTest, ReadBackWhatWasWritten) {
   EXPECT_EQ(files_.readSurfels(0).normals, surfels_.normals);
   EXPECT_EQ(files_.readSurfels(0).offsets, surfels_.offsets);
   EXPECT_EQ(files_.readSurfels(0).thicknesses, surfels_.thicknesses);
+  const std::vector<float> thicknesses = files_.readThicknesses(0);
+  EXPECT_TRUE(std::equal(thicknesses.begin(), thicknesses.end(), surfels_.thicknesses.data()));
   const std::vector<ThinnedLevel> levels = files_.thinnedLevels(0);
   ASSERT_EQ(levels.size(), 2U);
   for (std::size_t k = 0; k < 2; ++k) {
@@ -93,7 +100,11 @@ TEST_F(DerivedFilesTest, ReadBackWhatWasWritten) {
   EXPECT_EQ(colors.values, colors_.values);
   EXPECT_EQ(colors.count, colors_.count);
   EXPECT_EQ(colors.unseen, colors_.unseen);
-  const ToneCells tone = files_.readTone(0);
+  EXPECT_EQ(colors.nearest, colors_.nearest);
+  EXPECT_EQ(colors.camera, colors_.camera);
+  const auto [tone, held_out] = files_.readViews(0);
+  ASSERT_EQ(held_out.size(), 1U);
+  EXPECT_EQ(held_out[0].error, held_out_[0].error);
   ASSERT_EQ(tone.size(), 2U);
   EXPECT_EQ(tone.begin()->first, (ToneCell{-1, 0, 2}));
   EXPECT_EQ(tone.begin()->second.peak, 4);
@@ -128,7 +139,7 @@ TEST_F(DerivedFilesTest, WhatIsDamagedCountsAsAbsentAndIsNeverRead) {
       {"surfels/0_0_0.thinned", [&] { return files_.hasSurfels(0); }},
       {"depth/000002.bin", [&] { return files_.hasDepth(2); }},
       {"colored/0_0_0.bin", [&] { return files_.hasColors(0); }},
-      {"colored/0_0_0.tone", [&] { return files_.hasColors(0); }},
+      {"colored/0_0_0.views", [&] { return files_.hasColors(0); }},
       {"alignment/views.bin", [&] { return files_.readCorrections().has_value(); }},
       {"damaged_images/000000.bin", [&] { return files_.readDamagedViews(0).has_value(); }},
       {"depth/key.txt", [&] { return files_.holds("depth", "k"); }}};
