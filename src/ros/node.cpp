@@ -41,7 +41,8 @@ struct ColorizerNode::Impl {
         params(params_in),
         output(node_in, private_node_in, params.node),
         preview(params, output, errors),
-        job(params.core, [this](const Recording& map, const Params& core) { output.publishMap(map, core); },
+        job(
+            params.core, [this](const Recording& map, const Params& core) { output.publishMap(map, core); },
             params.node.report),
         session(resolveRecordingDirectory(params.node.recording_dir), params.node.collector, collectorEvents(), errors),
         save_place(saveDirectory()),
