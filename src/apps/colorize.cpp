@@ -15,10 +15,10 @@ namespace {
 constexpr const char* kMerge = "merge";
 
 /// The stages as JSON, for whoever spreads them.
-std::string describePlan(const Recording& recording, const Params& params) {
+std::string describePlan(const Recording& recording, const Params& params, const Callbacks& callbacks) {
   nlohmann::ordered_json stages = nlohmann::json::array();
   std::vector<std::string> all;
-  for (const PlannedStage& stage : planStages(recording, params)) {
+  for (const PlannedStage& stage : planStages(recording, params, callbacks)) {
     stages.push_back({{"name", stage.name},
                       {"unit", stage.unit},
                       {"units", stage.num_units},
@@ -50,7 +50,7 @@ void run(const CommandLine& line, const Callbacks& callbacks) {
   const Recording recording = Recording::open(line.positionals[0]);
   const std::string stage = line.option("stage");
   if (line.has("plan")) {
-    std::cout << describePlan(recording, line.params) << std::endl;
+    std::cout << describePlan(recording, line.params, callbacks) << std::endl;
   } else if (stage.empty() || stage == kMerge) {
     requireColored(colorAndSave(recording, line, callbacks, {}, stage.empty() ? colorize : mergeParts));
   } else {

@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
         std::filesystem::equivalent(line.option(kWriteModelOption.name), line.option("model"), ignored)) {
       throw UsageError("--write-model would replace the --model that is read; give it another folder");
     }
-    RecordingFolder scratch(line.option("recording"), line.option("output"), callbacks);
+    RecordingFolder scratch(line.option("recording"), line.option("output"), callbacks, "max_view_distance=1000000");
     const Recording recording =
         importModel({line.option("cloud"), line.option("images"), line.option("model"), line.option("masks")},
                     scratch.path(), line.params.record, callbacks);

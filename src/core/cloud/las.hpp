@@ -39,6 +39,11 @@ class LasFormat {
   void pack(const Cloud& cloud, std::size_t first, std::size_t num_points, std::uint8_t* target) const;
 
  private:
+  std::vector<Field> placeFields(const std::vector<Field>& fields);
+  void makeHeader(std::uint64_t num_points, const Eigen::AlignedBox3d& box, const std::vector<Field>& extra,
+                  const std::string& crs);
+
+  int number_ = 2;   ///< of the point format
   double step_ = 1;  ///< m
   Eigen::Vector3d offset_;
   std::string header_;

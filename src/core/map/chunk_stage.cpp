@@ -167,7 +167,7 @@ std::vector<double> pointsOfChunks(const Workspace& work) {
   return points;
 }
 
-UnitFiles filesOf(const Workspace& work) {
+UnitFiles chunkFiles(const Workspace& work) {
   UnitFiles files;
   for (const Chunk& chunk : chunksOf(work)) {
     files.push_back(work.files().namesOfTiles(chunk.core_tiles, kViewsExtension));
@@ -212,7 +212,7 @@ Stage colorStage() {
           [](const Workspace& work) {
             return colorsKey(work.recording(), work.params(), work.damagedViews(), work.corrections());
           },
-          filesOf,
+          chunkFiles,
           colorChunks,
           {}};
 }

@@ -99,7 +99,8 @@ void removeOldFiles(const std::string& directory, const std::string& list, const
   const auto old = nlohmann::json::parse(bytes.begin(), bytes.end(), nullptr, false);
   if (!old.is_object() || !old.contains("tiles") || !old["tiles"].is_array()) return;
   for (const auto& tile : old["tiles"]) {
-    const std::string name = tile.is_object() ? tile.value("file", "") : "";
+    const bool has_name = tile.is_object() && tile.contains("file") && tile["file"].is_string();
+    const std::string name = has_name ? tile["file"].get<std::string>() : "";
     const bool is_plain = !name.empty() && std::filesystem::path(name).filename() == name;
     std::error_code ignored;
     if (!is_plain || written.count(name) != 0) continue;

@@ -26,11 +26,11 @@ DepthImage renderDepth(Workspace& work, std::size_t view, const Eigen::Isometry3
 
 namespace {
 
-std::vector<double> unitsOf(const Workspace& work) {
+std::vector<double> depthUnits(const Workspace& work) {
   return std::vector<double>(work.usableViews().size(), 1.0);
 }
 
-UnitFiles filesOf(const Workspace& work) {
+UnitFiles depthFiles(const Workspace& work) {
   UnitFiles files;
   for (const std::size_t view : work.usableViews()) files.push_back({DerivedFiles::nameOfView(view)});
   return files;
@@ -55,9 +55,9 @@ Stage depthStage() {
           "views",
           kDepthFolder,
           {"images", "moving", "surfels", "alignment"},
-          unitsOf,
+          depthUnits,
           [](const Workspace& work) { return depthKey(work.recording(), work.params(), work.corrections()); },
-          filesOf,
+          depthFiles,
           makeDepthImages,
           {}};
 }

@@ -22,7 +22,7 @@ std::string faultOf(Workspace& work, std::size_t view) {
   }
 }
 
-std::vector<double> unitsOf(const Workspace& work) {
+std::vector<double> imageUnits(const Workspace& work) {
   std::vector<double> units(work.files().numViewBlocks());
   for (std::size_t block = 0; block < units.size(); ++block) {
     units[block] = static_cast<double>(work.files().viewsOfBlock(block).size());
@@ -30,7 +30,7 @@ std::vector<double> unitsOf(const Workspace& work) {
   return units;
 }
 
-UnitFiles filesOf(const Workspace& work) {
+UnitFiles imageFiles(const Workspace& work) {
   UnitFiles files;
   for (std::size_t block = 0; block < work.files().numViewBlocks(); ++block) {
     files.push_back({DerivedFiles::nameOfView(block)});
@@ -77,9 +77,9 @@ void leaveOutDamaged(Workspace& work, const Callbacks& callbacks) {
 }  // namespace
 
 Stage imageStage() {
-  return {"images", "blocks of views", kImageCheckFolder,
-          {},       unitsOf,           [](const Workspace& work) { return imageFilesKey(work.recording()); },
-          filesOf,  checkImages,       leaveOutDamaged};
+  return {"images",   "blocks of views", kImageCheckFolder,
+          {},         imageUnits,        [](const Workspace& work) { return imageFilesKey(work.recording()); },
+          imageFiles, checkImages,       leaveOutDamaged};
 }
 
 }  // namespace cloud_colorizer

@@ -35,14 +35,14 @@ std::vector<std::uint8_t> vote(Workspace& work, std::size_t tile) {
   return votes.shares();
 }
 
-std::vector<double> unitsOf(const Workspace& work) {
+std::vector<double> movingUnits(const Workspace& work) {
   std::vector<double> units;
   if (!findsMoving(work.recording(), work.params())) return units;
   for (const Tile& tile : work.recording().tiles()) units.push_back(static_cast<double>(tile.num_points));
   return units;
 }
 
-UnitFiles filesOf(const Workspace& work) {
+UnitFiles movingFiles(const Workspace& work) {
   UnitFiles files;
   for (std::size_t tile = 0; tile < work.recording().tiles().size(); ++tile) {
     files.push_back({work.files().nameOfTile(tile)});
@@ -67,9 +67,9 @@ void findMoving(Workspace& work, UnitRange units, const Callbacks& callbacks) {
 }  // namespace
 
 Stage movingStage() {
-  return {"moving", "tiles",    kMovingFolder,
-          {},       unitsOf,    [](const Workspace& work) { return movingKey(work.recording(), work.params()); },
-          filesOf,  findMoving, {}};
+  return {"moving",    "tiles",     kMovingFolder,
+          {},          movingUnits, [](const Workspace& work) { return movingKey(work.recording(), work.params()); },
+          movingFiles, findMoving,  {}};
 }
 
 }  // namespace cloud_colorizer

@@ -114,10 +114,10 @@ UnitRange unitsOfPart(const std::vector<double>& units, Part part) {
   return {before(part.index - 1), before(part.index)};
 }
 
-std::vector<PlannedStage> planStages(const Recording& recording, const Params& params) {
+std::vector<PlannedStage> planStages(const Recording& recording, const Params& params, const Callbacks& callbacks) {
   params.check();
   requireColorable(recording);
-  const FolderLock lock(recording.directory(), false);
+  const FolderLock lock(recording.directory(), false, callbacks);
   Workspace work(recording, params);
   std::vector<PlannedStage> plan;
   std::vector<std::string> asked, whole;

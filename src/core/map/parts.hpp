@@ -33,8 +33,8 @@ struct PlannedStage {
 };
 
 /// Those that the parameters ask for, in their order, without the last one, which saves the map. Damaged images that
-/// nobody has looked for yet count as whole.
-std::vector<PlannedStage> planStages(const Recording& recording, const Params& params);
+/// nobody has looked for yet count as whole. Waits while a program works on the recording alone.
+std::vector<PlannedStage> planStages(const Recording& recording, const Params& params, const Callbacks& callbacks);
 
 /// What is done already is not done again. Throws std::invalid_argument on an unknown stage, and std::runtime_error
 /// where a stage before it is not whole.

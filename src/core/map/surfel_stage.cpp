@@ -114,7 +114,7 @@ void markMoving(const std::vector<std::uint8_t>& shares, Surfels& surfels) {
   }
 }
 
-std::vector<Unit> unitsOf(const Recording& recording) {
+std::vector<Unit> surfelUnits(const Recording& recording) {
   Unit all(recording.tiles().size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   return cubesOfTiles(recording, all, kMostPoints, tilesPerBlock(recording));
@@ -122,15 +122,15 @@ std::vector<Unit> unitsOf(const Recording& recording) {
 
 std::vector<double> pointsOfUnits(const Workspace& work) {
   std::vector<double> points;
-  for (const Unit& unit : unitsOf(work.recording())) {
+  for (const Unit& unit : surfelUnits(work.recording())) {
     points.push_back(static_cast<double>(countPoints(work.recording().tiles(), unit)));
   }
   return points;
 }
 
-UnitFiles filesOf(const Workspace& work) {
+UnitFiles surfelFiles(const Workspace& work) {
   UnitFiles files;
-  for (const Unit& unit : unitsOf(work.recording()))
+  for (const Unit& unit : surfelUnits(work.recording()))
     files.push_back(work.files().namesOfTiles(unit, kThinnedExtension));
   return files;
 }
@@ -138,7 +138,7 @@ UnitFiles filesOf(const Workspace& work) {
 void makeSurfels(Workspace& work, UnitRange range, const Callbacks& callbacks) {
   const Recording& recording = work.recording();
   const DerivedFiles& files = work.files();
-  const std::vector<Unit> units = unitsOf(recording);
+  const std::vector<Unit> units = surfelUnits(recording);
   std::size_t num_points = 0;
   for (std::size_t u = range.first; u < range.last; ++u) num_points += countPoints(recording.tiles(), units[u]);
   ProgressMeter progress(callbacks, "surfels", num_points);
@@ -167,9 +167,9 @@ void makeSurfels(Workspace& work, UnitRange range, const Callbacks& callbacks) {
 
 Stage surfelStage() {
   return {
-      "surfels",  "blocks of tiles", kSurfelsFolder,
-      {"moving"}, pointsOfUnits,     [](const Workspace& work) { return surfelsKey(work.recording(), work.params()); },
-      filesOf,    makeSurfels,       {}};
+      "surfels",   "blocks of tiles", kSurfelsFolder,
+      {"moving"},  pointsOfUnits,     [](const Workspace& work) { return surfelsKey(work.recording(), work.params()); },
+      surfelFiles, makeSurfels,       {}};
 }
 
 }  // namespace cloud_colorizer

@@ -37,25 +37,10 @@ constexpr double kFlushPeriod = 0.5;                  ///< s
 constexpr std::size_t kMaxPendingBytes = 64'000'000;  ///< of points that are not yet in a file
 constexpr double kMaxOriginDistance = 5000;           ///< m; positions nearer to the map's origin keep it
 
-double defaultTileSize(const RecordParams& params) {
-  if (params.tile_size > 0) return params.tile_size;
-  return params.voxel_size > 0 ? 200 * params.voxel_size : 2.5;
-}
-
 void requirePose(const Eigen::Isometry3d& pose, const char* what) {
   const Eigen::Matrix3d error = pose.linear() * pose.linear().transpose() - Eigen::Matrix3d::Identity();
   require<std::invalid_argument>(pose.matrix().allFinite() && error.norm() < 1e-3 && pose.linear().determinant() > 0,
                                  what, " must be finite and a rigid motion");
-}
-
-/// Before any other file, since a directory without it is somebody else's.
-RecordingInfo newInfo(const std::string& directory, const std::string& map_frame, const RecordParams& params) {
-  RecordingInfo info;
-  info.map_frame = map_frame;
-  info.voxel_size = params.voxel_size;
-  info.tile_size = defaultTileSize(params);
-  writeInfo(directory, info);
-  return info;
 }
 
 }  // namespace

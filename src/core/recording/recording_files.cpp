@@ -118,6 +118,20 @@ RecordingInfo readInfo(const std::string& directory) {
   return info;
 }
 
+double defaultTileSize(const RecordParams& params) {
+  if (params.tile_size > 0) return params.tile_size;
+  return params.voxel_size > 0 ? 200 * params.voxel_size : 2.5;
+}
+
+RecordingInfo newInfo(const std::string& directory, const std::string& map_frame, const RecordParams& params) {
+  RecordingInfo info;
+  info.map_frame = map_frame;
+  info.voxel_size = params.voxel_size;
+  info.tile_size = defaultTileSize(params);
+  writeInfo(directory, info);
+  return info;
+}
+
 void writeInfo(const std::string& directory, const RecordingInfo& info) {
   YAML::Emitter out;
   out << YAML::BeginMap << YAML::Key << "format_version" << YAML::Value << kRecordingVersion;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "cloud_colorizer/recording/recorder.hpp"
 #include "cloud_colorizer/recording/recording.hpp"
 
 namespace cloud_colorizer {
@@ -39,6 +40,9 @@ struct Recording::State {
 bool hasRecording(const std::string& directory);
 RecordingInfo readInfo(const std::string& directory);
 void writeInfo(const std::string& directory, const RecordingInfo& info);
+double defaultTileSize(const RecordParams& params);  ///< m
+/// Writes that of a new recording. Before any other file, since a directory without it is somebody else's.
+RecordingInfo newInfo(const std::string& directory, const std::string& map_frame, const RecordParams& params);
 
 std::vector<RecordedCamera> readCameras(const std::string& directory);
 void writeCameras(const std::string& directory, const std::vector<RecordedCamera>& cameras);

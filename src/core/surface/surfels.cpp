@@ -8,6 +8,7 @@
 
 #include "cloud_colorizer/base/check.hpp"
 #include "surface/cell_patches.hpp"
+#include "surface/distinct.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -35,28 +36,6 @@ constexpr float kBall = 0.4F;          // of a cell, where there is no surface
 
 Surfels noSurfels(Index n) {
   return {Eigen::Matrix3Xf::Zero(3, n), Eigen::VectorXf::Zero(n), Eigen::VectorXf::Zero(n), Eigen::VectorXf::Zero(n)};
-}
-
-/// Each position once, in Z-order.
-struct Distinct {
-  Points points;
-  std::vector<std::uint64_t> keys;
-  std::vector<std::uint32_t> of_point;  ///< column of each input point
-};
-
-Distinct distinctPoints(PointsRef points, const ZOrderGrid& grid) {
-  const std::vector<std::uint64_t> keys = zorderKeys(points, grid);
-  Distinct distinct{Points(3, points.cols()), {}, std::vector<std::uint32_t>(keys.size())};
-  distinct.keys.reserve(keys.size());
-  for (const std::uint32_t i : zorderSort(keys, 0)) {
-    if (distinct.keys.empty() || distinct.keys.back() != keys[i]) {
-      distinct.points.col(static_cast<Index>(distinct.keys.size())) = points.col(i);
-      distinct.keys.push_back(keys[i]);
-    }
-    distinct.of_point[i] = static_cast<std::uint32_t>(distinct.keys.size() - 1);
-  }
-  distinct.points.conservativeResize(3, static_cast<Index>(distinct.keys.size()));
-  return distinct;
 }
 
 /// The level at which some cell first holds `count` points; at most `max_level`.

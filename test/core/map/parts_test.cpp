@@ -106,7 +106,7 @@ TEST_F(Parts, DoneAtTheSameTimeGiveTheBytesOfOneRun) {
     const Recording whole = record("whole" + run), parts = record("parts" + run);
     const ColorizeSummary expected = colorize(whole, params_, {});
     EXPECT_EQ(expected.num_damaged_views, 1U);
-    for (const PlannedStage& stage : planStages(parts, params_)) {
+    for (const PlannedStage& stage : planStages(parts, params_, {})) {
       EXPECT_GT(stage.num_units, 0U);
       EXPECT_EQ(stage.num_done, 0U);
       std::vector<std::thread> programs;
@@ -115,7 +115,7 @@ TEST_F(Parts, DoneAtTheSameTimeGiveTheBytesOfOneRun) {
       }
       for (std::thread& program : programs) program.join();
     }
-    for (const PlannedStage& stage : planStages(parts, params_)) EXPECT_EQ(stage.num_done, stage.num_units);
+    for (const PlannedStage& stage : planStages(parts, params_, {})) EXPECT_EQ(stage.num_done, stage.num_units);
     const ColorizeSummary summary = mergeParts(parts, params_, {});
     EXPECT_EQ(summary.num_colored, expected.num_colored);
     EXPECT_GT(summary.num_colored, 5000U);
@@ -137,7 +137,7 @@ TEST_F(Parts, AStageWaitsForThoseBeforeIt) {
 TEST_F(Parts, OtherParametersBeginAnew) {
   const Recording recording = record("r");
   const auto doneOf = [&](const std::string& name) {
-    for (const PlannedStage& stage : planStages(recording, params_)) {
+    for (const PlannedStage& stage : planStages(recording, params_, {})) {
       if (stage.name == name) return stage.num_done;
     }
     return std::size_t{99};
