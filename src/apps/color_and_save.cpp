@@ -112,7 +112,7 @@ ColorizeSummary colorAndSave(const Recording& recording, const CommandLine& line
     const CloudWriter trial(output, 0, coloredFields(recording, line.params), false, {},
                             coloredCrs(recording, line.params));
   }
-  const ColorizeSummary summary = colorizer(recording, line.params, callbacks);
+  ColorizeSummary summary = colorizer(recording, line.params, callbacks);
   for (const StageCost& stage : summary.stages) {
     if (line.verbose) callbacks.log(LogLevel::kInfo, describe(stage));
   }

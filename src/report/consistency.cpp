@@ -45,7 +45,8 @@ BadPart describePart(const CameraErrors& errors, std::size_t camera, const std::
   BadPart part{camera, 0, 0, 1, 1, 0, 0};
   std::uint64_t sum = 0, count = 0;
   for (const std::size_t cell : cells) {
-    const double x = static_cast<double>(cell % kHeldOutColumns), y = static_cast<double>(cell / kHeldOutColumns);
+    const std::size_t column = cell % kHeldOutColumns, row = cell / kHeldOutColumns;
+    const auto x = static_cast<double>(column), y = static_cast<double>(row);
     part.left = std::min(part.left, x / kHeldOutColumns), part.right = std::max(part.right, (x + 1) / kHeldOutColumns);
     part.top = std::min(part.top, y / kHeldOutRows), part.bottom = std::max(part.bottom, (y + 1) / kHeldOutRows);
     sum += errors.sums[cell], count += errors.counts[cell];

@@ -17,6 +17,7 @@ constexpr std::size_t kEnoughCells = 20;  // on borders, and inside
 
 double typicalPoints(const std::vector<Tile>& tiles) {
   std::vector<std::size_t> counts;
+  counts.reserve(tiles.size());
   for (const Tile& tile : tiles) counts.push_back(tile.num_points);
   if (counts.empty()) return 1;
   const auto middle = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2);

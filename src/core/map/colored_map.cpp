@@ -130,6 +130,7 @@ std::size_t saveColoredTiles(const Recording& recording, const Params& params, c
   MapWriter writer(recording, params, silent);
   const std::vector<TileIds> cubes = cubesOfTiles(recording, allTiles(recording), kMostPointsOfFile);
   std::vector<std::size_t> counts;
+  counts.reserve(cubes.size());
   for (const TileIds& cube : cubes) counts.push_back(writer.countPoints(cube));
   const std::size_t num_points = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
   ProgressMeter progress(callbacks, "save tiles", num_points);

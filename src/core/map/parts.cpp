@@ -72,8 +72,8 @@ std::vector<std::string> common(const std::vector<std::string>& names, const std
 }
 
 std::vector<std::string> namesOf(const std::vector<Stage>& stages) {
-  std::vector<std::string> names;
-  for (const Stage& stage : stages) names.emplace_back(stage.name);
+  std::vector<std::string> names(stages.size());
+  std::transform(stages.begin(), stages.end(), names.begin(), [](const Stage& stage) { return stage.name; });
   return names;
 }
 
