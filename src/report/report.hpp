@@ -18,7 +18,7 @@ struct RunFacts {
   ColorizeSummary summary;
   std::vector<std::string> warnings;
   std::string name;                  ///< of the map or its recording, without a path
-  std::string program;               ///< "colorize_bag 0.2.0"
+  std::string program;               ///< "colorize_bag 0.3.0"
   std::vector<std::string> command;  ///< as it was given; with folders where the user wants them told
   std::size_t max_points = 400'000;  ///< of the map in the page
 };
