@@ -489,7 +489,7 @@ TEST_F(NodeTest, TransportWithoutAPluginStopsTheStart) {
 
 TEST_F(NodeTest, StatusGoesOnWhileColouringAfterSilence) {
   drive_.num_frames = 60;
-  startNode(true, {"_colorize_after:=1", "_voxel_size:=0.02", "_num_threads:=1"});
+  startNode(true, {"_colorize_after:=1", "_voxel_size:=0", "_solver:=spqr", "_num_threads:=1"});
   publishDrive();
   EXPECT_TRUE(waitFor([&] { return last_status_.colored_points > 1000; }, 120)) << process_->log();
   EXPECT_GT(stages_.size(), 2U) << "besides idle and recording, the stages of colouring";
