@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "map/workspace.hpp"
+#include "base/robust.hpp"
+#include "map/derived_files.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -82,11 +83,11 @@ double CameraErrors::median() const {
   return 0;
 }
 
-std::vector<CameraErrors> readErrors(const Recording& recording, const Params& params) {
-  const Workspace work(recording, params);
+std::vector<CameraErrors> readErrors(const Recording& recording) {
+  const DerivedFiles files(recording);
   std::vector<CameraErrors> cameras(recording.cameras().size());
   for (std::size_t tile = 0; tile < recording.tiles().size(); ++tile) {
-    for (const HeldOut& sight : work.files().readViews(tile).held_out) {
+    for (const HeldOut& sight : files.readViews(tile).held_out) {
       if (sight.camera < cameras.size()) cameras[sight.camera].add(sight);
     }
   }
@@ -99,15 +100,15 @@ BadPart worstPart(const std::vector<CameraErrors>& cameras) {
   BadPart worst;
   for (std::size_t camera = 0; camera < cameras.size(); ++camera) {
     const CameraErrors& errors = cameras[camera];
-    std::vector<double> means(CameraErrors::kCells, 0), known;
+    std::vector<double> means(CameraErrors::kCells, 0);
+    std::vector<double> known;
     for (std::size_t cell = 0; cell < means.size(); ++cell) {
       if (errors.counts[cell] < kLeastSights) continue;
       means[cell] = static_cast<double>(errors.sums[cell]) / static_cast<double>(errors.counts[cell]);
       known.push_back(means[cell]);
     }
     if (known.size() < kLeastCells) continue;
-    std::nth_element(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2), known.end());
-    const double usual = std::max(known[known.size() / 2], 1.0);
+    const double usual = std::max(median(std::move(known)), 1.0);
     std::vector<bool> is_bad(means.size());
     for (std::size_t cell = 0; cell < means.size(); ++cell) {
       is_bad[cell] = means[cell] > std::max(kStandsOut * usual, kLeastError);

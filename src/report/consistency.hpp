@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "cloud_colorizer/map/colorize.hpp"
+#include "cloud_colorizer/recording/recording.hpp"
 #include "color/held_out.hpp"
 
 namespace cloud_colorizer {
@@ -37,13 +37,13 @@ struct BadPart {
 };
 
 /// Of each camera, from the files of the coloured tiles.
-std::vector<CameraErrors> readErrors(const Recording& recording, const Params& params);
+std::vector<CameraErrors> readErrors(const Recording& recording);
 
 /// The worst part that stands out, of all cameras; a ratio of 0: none.
 BadPart worstPart(const std::vector<CameraErrors>& cameras);
 
-/// {"heldout_error", "heldout_median", "heldout_points", "heldout_cameras": [{"error", "median", "points",
-/// "histogram"}], "worst_part": {...}}.
+/// {"error", "median", "points", "bin_width", "cameras": [{"error", "median", "points", "histogram"}], "worst_part":
+/// {...}}.
 nlohmann::json describeErrors(const std::vector<CameraErrors>& cameras);
 
 }  // namespace cloud_colorizer

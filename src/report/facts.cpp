@@ -175,7 +175,7 @@ json collectFacts(const Recording& recording, const Params& params, const RunFac
                   {"duration_s", durationOf(recording)},
                   {"disagreement", summary.disagreement}};
   facts["map"].update(measureMap(recording, sample));
-  facts["heldout"] = describeErrors(readErrors(recording, params));
+  facts["heldout"] = describeErrors(readErrors(recording));
   facts["uncolored"] = {{"in_no_image", reason(Unseen::kOutside)},
                         {"beyond_max_view_distance", reason(Unseen::kTooFar)},
                         {"hidden", reason(Unseen::kHidden)},

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "base/progress.hpp"
 #include "cloud/cloud_layout.hpp"
@@ -70,11 +69,9 @@ MapSample sampleMap(const Recording& recording, const Params& params, std::size_
   const auto strength = findIntensity(recording.fields());
   const std::size_t record_size = recordSize(recording.fields());
   ColoredTiles tiles(recording, params);
-  TileIds all(recording.tiles().size());
-  std::iota(all.begin(), all.end(), std::size_t{0});
   ProgressMeter progress(callbacks, "report", recording.numPoints());
   SeamMeter seams(recording, params);
-  tiles.visitShown(all, [&](const ShownTile& shown) {
+  tiles.visitShown(allTiles(recording.tiles()), [&](const ShownTile& shown) {
     seams.add(shown);
     const std::vector<float> thicknesses = tiles.work().files().readThicknesses(shown.tile);
     std::vector<std::uint8_t> records;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/robust.hpp"
 #include "cloud_colorizer/map/chunks.hpp"
 
 namespace cloud_colorizer {
@@ -19,10 +20,7 @@ double typicalPoints(const std::vector<Tile>& tiles) {
   std::vector<std::size_t> counts;
   counts.reserve(tiles.size());
   for (const Tile& tile : tiles) counts.push_back(tile.num_points);
-  if (counts.empty()) return 1;
-  const auto middle = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2);
-  std::nth_element(counts.begin(), middle, counts.end());
-  return std::max(1.0, static_cast<double>(*middle));
+  return std::max(1.0, static_cast<double>(median(std::move(counts))));
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <stdexcept>
 
@@ -103,8 +102,7 @@ double ChunkParams::maxPointsWithHalo() const {
 
 std::vector<Chunk> planChunks(const std::vector<Tile>& tiles, double tile_size, const ChunkParams& params) {
   params.check();
-  std::vector<TileIds> open(1, TileIds(tiles.size()));
-  std::iota(open[0].begin(), open[0].end(), std::size_t{0});
+  std::vector<TileIds> open(1, allTiles(tiles));
   std::vector<Chunk> chunks;
   while (!tiles.empty() && !open.empty()) {
     const TileIds ids = std::move(open.back());

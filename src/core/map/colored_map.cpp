@@ -19,17 +19,11 @@ namespace {
 
 constexpr std::size_t kMostPointsOfFile = 2000000;  // of several tiles: what editors and viewers open with ease
 
-TileIds allTiles(const Recording& recording) {
-  TileIds tiles(recording.tiles().size());
-  std::iota(tiles.begin(), tiles.end(), std::size_t{0});
-  return tiles;
-}
-
 }  // namespace
 
 void forEachColoredTile(const Recording& recording, const Params& params, bool relative,
                         const std::function<void(const Cloud&)>& visit) {
-  ColoredTiles(recording, params).visit(allTiles(recording), relative, visit);
+  ColoredTiles(recording, params).visit(allTiles(recording.tiles()), relative, visit);
 }
 
 namespace {
@@ -115,7 +109,7 @@ std::size_t saveColored(const Recording& recording, const Params& params, const 
                         const Callbacks& callbacks) {
   CloudWriter::checkPath(path);
   MapWriter writer(recording, params, callbacks);
-  const TileIds tiles = allTiles(recording);
+  const TileIds tiles = allTiles(recording.tiles());
   const std::size_t num_points = writer.countPoints(tiles);
   ProgressMeter progress(callbacks, "save", num_points);
   writer.save(tiles, num_points, path, progress);
@@ -128,7 +122,7 @@ std::size_t saveColoredTiles(const Recording& recording, const Params& params, c
   Callbacks silent = callbacks;
   silent.log = {};
   MapWriter writer(recording, params, silent);
-  const std::vector<TileIds> cubes = cubesOfTiles(recording, allTiles(recording), kMostPointsOfFile);
+  const std::vector<TileIds> cubes = cubesOfTiles(recording, allTiles(recording.tiles()), kMostPointsOfFile);
   std::vector<std::size_t> counts;
   counts.reserve(cubes.size());
   for (const TileIds& cube : cubes) counts.push_back(writer.countPoints(cube));

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 #include <memory>
-#include <numeric>
 #include <vector>
 
 #include "base/parallel.hpp"
@@ -115,9 +114,7 @@ void markMoving(const std::vector<std::uint8_t>& shares, Surfels& surfels) {
 }
 
 std::vector<Unit> surfelUnits(const Recording& recording) {
-  Unit all(recording.tiles().size());
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  return cubesOfTiles(recording, all, kMostPoints, tilesPerBlock(recording));
+  return cubesOfTiles(recording, allTiles(recording.tiles()), kMostPoints, tilesPerBlock(recording));
 }
 
 std::vector<double> pointsOfUnits(const Workspace& work) {

@@ -17,6 +17,13 @@ namespace cloud_colorizer {
 /// Into Recording::tiles(), ascending.
 using TileIds = std::vector<std::size_t>;
 
+/// Of all tiles.
+inline TileIds allTiles(const std::vector<Tile>& tiles) {
+  TileIds ids(tiles.size());
+  std::iota(ids.begin(), ids.end(), std::size_t{0});
+  return ids;
+}
+
 /// Of the tiles `ids`, all together.
 inline std::size_t countPoints(const std::vector<Tile>& tiles, const TileIds& ids) {
   return std::accumulate(ids.begin(), ids.end(), std::size_t{0},
