@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "cloud_colorizer/color/solve.hpp"
 #include "cloud_colorizer/map/params.hpp"
 #include "cloud_colorizer/visibility/observe.hpp"
+#include "color/solve.hpp"
 #include "evaluation/score.hpp"
 #include "evaluation/test_bed.hpp"
 

@@ -20,12 +20,12 @@
 #include "ros/livox.hpp"
 #include "ros/moving_frame.hpp"
 #include "ros/transform_buffer.hpp"
+#include "ros/transform_reader.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
 using Strings = std::vector<std::string>;
-const Strings kTf = {"/tf", "tf"};
 const Strings kStaticTf = {"/tf_static", "tf_static"};
 constexpr double kFirstSeconds = 10;  // of a bag, and its last, that are searched for transforms that come once
 
@@ -86,8 +86,8 @@ struct BagSource::Impl {
     const ros::Duration some(kFirstSeconds);
     if (begin >= ros::TIME_MAX - some || end <= ros::TIME_MIN + some) return {};  // no clock shows such times
     const ros::Time after = begin + some;
-    return givenOnce(readTransforms(*view(kTf, begin, after)),
-                     readTransforms(*view(kTf, std::max(after, end - some), end)));
+    return givenOnce(readTransforms(*view(kTfTopics, begin, after)),
+                     readTransforms(*view(kTfTopics, std::max(after, end - some), end)));
   }
 
   std::vector<std::unique_ptr<rosbag::Bag>> bags;
@@ -97,97 +97,6 @@ struct BagSource::Impl {
 };
 
 namespace {
-
-tf2_msgs::TFMessage messageOf(const geometry_msgs::TransformStamped& transform) {
-  tf2_msgs::TFMessage message;
-  message.transforms.push_back(transform);
-  return message;
-}
-
-/// Gives transforms to the collector, ahead of the other messages.
-class TransformReader {
- public:
-  TransformReader(std::unique_ptr<rosbag::View> view, const Rig& rig, double lead, Collector& collector,
-                  ClockWatch& clocks)
-      : view_(std::move(view)),
-        next_(view_->begin()),
-        rig_(rig),
-        pose_(rig.poses.begin()),
-        lead_(lead),
-        collector_(collector),
-        clocks_(clocks) {}
-
-  /// The fixed tree, with what /tf gives only `once`. Where poses are given, it is turned so that it hangs from their
-  /// frame.
-  void giveFixed(std::vector<geometry_msgs::TransformStamped> fixed,
-                 const std::vector<geometry_msgs::TransformStamped>& once) {
-    fixed.insert(fixed.end(), once.begin(), once.end());
-    for (const auto& transform : once) known_.insert(transform.child_frame_id);
-    if (!rig_.poses.empty()) {
-      known_.insert(rig_.base_frame);
-      fixed = rootedAt(rig_.base_frame, fixed, known_);
-    }
-    tf2_msgs::TFMessage message;
-    message.transforms = std::move(fixed);
-    collector_.addTransforms(message, true);
-  }
-
-  /// The given poses up to `lead` after the stamp of a cloud; again from the first after a step back.
-  void givePosesTo(ros::Time stamp) {
-    if (stamp.isZero() || stamp > ros::TIME_MAX - lead_) return;
-    if (stamp + ros::Duration(1) < last_stamp_) pose_ = rig_.poses.begin();
-    last_stamp_ = stamp;
-    for (; pose_ != rig_.poses.end() && pose_->header.stamp <= stamp + lead_; ++pose_) {
-      collector_.addTransforms(messageOf(*pose_), false);
-    }
-  }
-
-  /// All that were received up to `lead` after `time`, but not past a step back of their stamps.
-  void readTo(ros::Time time) {
-    if (time > ros::TIME_MAX - lead_) time = ros::TIME_MAX - lead_;
-    for (; next_ != view_->end() && next_->getTime() <= time + lead_; ++next_) {
-      const tf2_msgs::TFMessage message = read();
-      if (next_->getTime() > time && stepsBack(message)) return;
-      for (const auto& transform : message.transforms) {
-        last_[transform.child_frame_id] = transform.header.stamp;
-        clocks_.add(kTf.front(), next_->getTime(), transform.header.stamp);
-      }
-      collector_.addTransforms(message, false);
-    }
-  }
-
- private:
-  tf2_msgs::TFMessage read() const {
-    if (next_->getTopic() == rig_.odometry) return messageOf(transformOf(*next_, rig_.base_frame));
-    const auto message = next_->instantiate<tf2_msgs::TFMessage>();
-    tf2_msgs::TFMessage result = message ? *message : tf2_msgs::TFMessage();
-    auto& transforms = result.transforms;
-    const auto is_given = [this](const geometry_msgs::TransformStamped& transform) {
-      return known_.count(withoutSlash(transform.child_frame_id)) != 0;
-    };
-    transforms.erase(std::remove_if(transforms.begin(), transforms.end(), is_given), transforms.end());
-    return result;
-  }
-
-  bool stepsBack(const tf2_msgs::TFMessage& message) const {
-    for (const auto& transform : message.transforms) {
-      const auto last = last_.find(transform.child_frame_id);
-      if (last != last_.end() && transform.header.stamp < last->second) return true;
-    }
-    return false;
-  }
-
-  std::unique_ptr<rosbag::View> view_;
-  rosbag::View::iterator next_;
-  const Rig& rig_;
-  std::vector<geometry_msgs::TransformStamped>::const_iterator pose_;
-  ros::Time last_stamp_;
-  std::set<std::string> known_;  ///< frames whose place is given before, and not told by what comes on /tf
-  ros::Duration lead_;
-  Collector& collector_;
-  ClockWatch& clocks_;
-  std::map<std::string, ros::Time> last_;
-};
 
 /// Calls f with an image of either kind; not where the message is none.
 template <class F>
@@ -317,7 +226,7 @@ void BagSource::addOdometry(Rig& rig) const {
       rig.odometry = topic;
     }
     if (rig.odometry.empty()) return;
-    if (movesFrame(*impl_->view({rig.odometry}), *impl_->view(kTf), rig.base_frame)) rig.odometry.clear();
+    if (movesFrame(*impl_->view({rig.odometry}), *impl_->view(kTfTopics), rig.base_frame)) rig.odometry.clear();
   }
   if (rig.odometry.empty()) return;
   const auto view = impl_->view({rig.odometry});
@@ -355,7 +264,7 @@ void BagSource::play(const Rig& rig, double tf_lead, Collector& collector, const
     ClockWatch clocks;
     giveFirstInfos(
         rig, [&](const Strings& topics) { return impl_->view(topics); }, collector);
-    Strings moving = kTf;
+    Strings moving = kTfTopics;
     if (!rig.odometry.empty()) moving.push_back(rig.odometry);
     TransformReader tf(impl_->view(moving), rig, tf_lead, collector, clocks);
     const auto once = impl_->transformsGivenOnce();
@@ -374,7 +283,7 @@ void BagSource::play(const Rig& rig, double tf_lead, Collector& collector, const
       progress.advance(pointsSeen(collector.stats()));
     }
     tf.readTo(ros::TIME_MAX);
-    clocks.warn(kTf.front(), callbacks);
+    clocks.warn(kTfTopics.front(), callbacks);
   });
   collector.finish();
 }

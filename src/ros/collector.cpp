@@ -6,15 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <limits>
 #include <map>
 #include <sstream>
 
 #include "alignment/motion.hpp"
 #include "cloud_colorizer/base/check.hpp"
-#include "cloud_colorizer/ros/conversions.hpp"
 #include "ros/camera_stream.hpp"
-#include "ros/deskew.hpp"
+#include "ros/cloud_stream.hpp"
+#include "ros/message_stamps.hpp"
 #include "ros/node_log.hpp"
 #include "ros/transform_buffer.hpp"
 #include "ros/view_writer.hpp"
@@ -26,19 +25,11 @@ constexpr double kJumpBack = 1;            // s; a stream whose stamps step back
 constexpr std::size_t kMaxPending = 2000;  // messages of a topic; a guard for stamps that stand still
 constexpr double kTfCache = 30;            // s of transforms that are kept, if tf_wait is well below it
 
-/// tf and time offsets add up to a day to a stamp, which ros::Time then may not hold.
-constexpr std::uint32_t kLastSecond = std::numeric_limits<std::uint32_t>::max() - 2 * 86400;
-
-using Invalid = std::invalid_argument;
 using Isometry = Eigen::Isometry3d;
 
 /// A tenth of what makes a new keyframe.
 TransformBuffer::Stillness stillness(const RecordParams& record) {
   return {record.keyframe_distance / 10, record.keyframe_angle / 10};
-}
-
-std::string badStamp(ros::Time stamp) {
-  return "the stamp of " + std::to_string(stamp.sec) + " s is out of range; look at the publisher's clock";
 }
 
 }  // namespace
@@ -49,12 +40,9 @@ struct Collector::Impl {
         params(params_in),
         events(std::move(events_in)),
         map_frame(withoutSlash(params_in.map_frame)),
-        sensor_frame(withoutSlash(params_in.sensor_frame)),
         transforms(std::max(kTfCache, 2 * params_in.tf_wait), params_in.tf_max_gap, stillness(params_in.record)),
-        deskewer(params_in.deskew,
-                 [this](LogLevel level, const std::string& text) {
-                   if (events.log) events.log(level, text);
-                 }),
+        clouds(
+            params, transforms, [this] { return cameraFrame(); }, sayOf("clouds"), events.cloud_kept),
         writer(params_in.encode_threads, params_in.raw_image_format,
                [this](const PendingView& view) { viewKept(view); }) {
     params.check();
@@ -86,8 +74,8 @@ struct Collector::Impl {
     if (suffix) events.log(LogLevel::kWarning, stream + ": " + text + *suffix);
   }
 
-  Say sayOf(const CameraStream& camera) {
-    return [this, name = camera.name()](LogLevel level, const char* kind, const std::string& text) {
+  Say sayOf(const std::string& stream) {
+    return [this, name = stream](LogLevel level, const char* kind, const std::string& text) {
       if (level == LogLevel::kWarning) {
         warn(name, kind, text);
       } else if (events.log) {
@@ -126,7 +114,7 @@ struct Collector::Impl {
     process();  // what can still be used
     clearQueues();
     transforms.clear();
-    deskewer.startAnew();
+    clouds.startAnew();
     last_stamps.clear();
     newest = 0;
   }
@@ -136,131 +124,22 @@ struct Collector::Impl {
       of.outcomes[static_cast<std::size_t>(Outcome::kTimeJump)] += queue.size();
       queue.clear();
     };
-    drop(stats.cloud, clouds);
+    drop(stats.cloud, clouds.queue);
     for (std::size_t i = 0; i < cameras.size(); ++i) drop(stats.cameras[i], cameras[i].queue);
   }
 
   bool waitedEnough(double stamp) const { return giving_up || newest - stamp > params.tf_wait; }
 
-  // ---- transforms ----
-
-  /// In integers: a double of today's seconds is 0.2 us coarse, and the last transform is at the message's exact stamp.
-  static ros::Time shifted(ros::Time stamp, double offset) {
-    if (stamp.toSec() + offset <= 0) {
-      throw Refused{Outcome::kNoStamp, "the stamp with the time offset is before time 0"};
-    }
-    if (stamp.toSec() + offset > kLastSecond) {
-      throw Refused{Outcome::kBadStamp, "the stamp with the time offset is out of range"};
-    }
-    return stamp + ros::Duration(offset);
-  }
-
-  static void checkHeader(const std_msgs::Header& header) {
-    if (header.stamp.isZero()) throw Refused{Outcome::kNoStamp, "the header's stamp is zero"};
-    if (header.stamp.sec > kLastSecond) throw Refused{Outcome::kBadStamp, badStamp(header.stamp)};
-  }
-
   // ---- clouds ----
 
-  /// Of clouds that are in the map frame already, as mapping programs publish them: the frame that is the scanner's by
-  /// its name, else the first camera's, which is near it.
-  std::string scannerFrame() const {
-    std::string named = transforms.scannerFrame();
-    if (!named.empty()) return named;
+  /// The first camera's frame: cameras and scanner are on one vehicle.
+  std::string cameraFrame() const {
     for (const CameraStream& camera : cameras) {
-      if (camera.info() && transforms.has(withoutSlash(camera.info()->header.frame_id))) {
-        return withoutSlash(camera.info()->header.frame_id);
-      }
+      if (!camera.info()) continue;
+      const std::string frame = withoutSlash(camera.info()->header.frame_id);
+      if (transforms.has(frame)) return frame;
     }
     return {};
-  }
-
-  std::string sensorOf(const std::string& frame) {
-    std::string sensor = sensor_frame.empty() ? frame : sensor_frame;
-    if (sensor != map_frame) return sensor;
-    std::string scanner = scannerFrame();
-    if (scanner.empty()) return sensor;
-    warn("clouds", "range",
-         "the clouds are in the map frame already; they are taken as measured from the frame " + scanner +
-             "; set sensor_frame where the scanner has another");
-    return scanner;
-  }
-
-  static std::string frameOf(const sensor_msgs::PointCloud2& message) {
-    std::string frame = withoutSlash(message.header.frame_id);
-    if (frame.empty()) throw Refused{Outcome::kMalformed, "the header's frame_id is empty"};
-    return frame;
-  }
-
-  /// The message's cloud in its own frame. Throws Refused.
-  Sweep readSweep(const sensor_msgs::PointCloud2& message) const {
-    checkHeader(message.header);
-    const ros::Time stamp = shifted(message.header.stamp, params.cloud_time_offset);
-    const std::string frame = frameOf(message);
-    Sweep sweep;
-    sweep.stamp = message.header.stamp.toSec();
-    sweep.pose = [this, frame, stamp](double seconds) {
-      return transforms.lookUp(map_frame, frame, shifted(stamp, seconds));
-    };
-    try {
-      sweep.cloud = cloudFromMessage(message);
-    } catch (const Invalid& error) {
-      throw Refused{Outcome::kMalformed, error.what()};
-    }
-    if (frame != map_frame) dropZeroReturns(sweep.cloud);
-    return sweep;
-  }
-
-  WaitingSweeps waitingSweeps() const {
-    return {clouds.size(), [this](std::size_t i) { return stampOf(clouds[i]); },
-            [this](std::size_t i) { return readSweep(*clouds[i]); }};
-  }
-
-  Outcome recordCloud(const sensor_msgs::PointCloud2& message) {
-    checkHeader(message.header);
-    const bool may_wait = !settling && !waitedEnough(stampOf(message));
-    if (may_wait && deskewer.waitsFor(stampOf(clouds.back()))) throw NotYet{{Outcome::kNoTransform, ""}};
-    const ros::Time stamp = shifted(message.header.stamp, params.cloud_time_offset);
-    const std::string frame = frameOf(message);
-    const std::string sensor = sensorOf(frame);
-    const Isometry map_from_sensor = transforms.lookUp(map_frame, sensor, stamp);
-    const Isometry sensor_from_cloud = transforms.lookUp(sensor, frame, stamp);
-    Sweep sweep = readSweep(message);
-    if (frame != map_frame) deskewer.apply(sweep, waitingSweeps(), may_wait);
-    Cloud& cloud = sweep.cloud;
-    if (sensor != frame) cloud.positions = sensor_from_cloud * cloud.positions;
-    const CloudSource source = {frame, stamp.toSec()};
-    const bool recorded_before = recorder->recognizeCloud(source);
-    if (!recorded_before) countPoints(recorder->addCloud(cloud, map_from_sensor, source));
-    // Where only the neighbourhood of the scanner is known, its rays are not.
-    const bool is_scanner =
-        sensor != map_frame && (frame != map_frame || sensor == sensor_frame || sensor == transforms.scannerFrame());
-    if (is_scanner) recorder->addScan(frame, source.stamp, cloud.positions, map_from_sensor);
-    if (events.cloud_kept) events.cloud_kept(cloud, map_from_sensor, source.stamp);
-    return recorded_before ? Outcome::kRecordedBefore : Outcome::kKept;
-  }
-
-  /// Many drivers give a beam without a return as (0, 0, 0).
-  static void dropZeroReturns(Cloud& cloud) {
-    for (Eigen::Index i = 0; i < cloud.positions.cols(); ++i) {
-      if ((cloud.positions.col(i).array() == 0).all()) {
-        cloud.positions.col(i).setConstant(std::numeric_limits<double>::quiet_NaN());
-      }
-    }
-  }
-
-  void countPoints(const Recorder::InsertCounts& counts) {
-    stats.points.added += counts.added;
-    stats.points.not_finite += counts.not_finite;
-    stats.points.too_near += counts.too_near;
-    stats.points.too_far += counts.too_far;
-    stats.points.voxel_taken += counts.voxel_taken;
-    if (!counts.fields_dropped.empty()) {
-      warn("clouds", "fields",
-           "field " + counts.fields_dropped.front() +
-               " is not recorded: the first cloud of the "
-               "recording had no such field");
-    }
   }
 
   // ---- images ----
@@ -286,7 +165,7 @@ struct Collector::Impl {
   void setPose(const CameraStream& camera, const std::string& frame, ros::Time stamp, PendingView& view) {
     const Eigen::Translation3d offset = offsetInFrame(camera);
     const auto pose_after = [&](double seconds) -> Isometry {
-      return transforms.lookUp(map_frame, frame, shifted(stamp, seconds)) * offset;
+      return transforms.lookUp(map_frame, frame, shiftedStamp(stamp, seconds)) * offset;
     };
     const double readout = camera.params().readout_time;
     view.map_from_camera = pose_after(readout / 2);
@@ -295,16 +174,16 @@ struct Collector::Impl {
 
   Outcome recordImage(std::size_t number, const ImageMessage& image) {
     CameraStream& camera = cameras[number];
-    checkHeader(image.header);
+    checkStamp(image.header);
     camera.dropMasksBefore(image.header.stamp);
     PendingView view = camera.newView(image, params.max_image_size, *recorder);
     view.camera = number;
-    const ros::Time stamp = shifted(image.header.stamp, camera.params().time_offset);
+    const ros::Time stamp = shiftedStamp(image.header.stamp, camera.params().time_offset);
     view.stamp = stamp.toSec();
     setPose(camera, camera.frameOf(image), stamp, view);
     if (camera.isRecorded(view, *recorder)) return Outcome::kRecordedBefore;
     if (!camera.isKeyframe(view.map_from_camera, params.record)) return Outcome::kNotKeyframe;
-    camera.inspect(image, view, sayOf(camera));
+    camera.inspect(image, view, sayOf(camera.name()));
     camera.keep(view);
     if (image.raw) {
       writer.add(std::move(view), image.raw, *recorder);
@@ -339,13 +218,13 @@ struct Collector::Impl {
     }
   }
 
-  static double stampOf(const sensor_msgs::PointCloud2& cloud) { return cloud.header.stamp.toSec(); }
-  static double stampOf(const sensor_msgs::PointCloud2ConstPtr& cloud) { return stampOf(*cloud); }
+  static double stampOf(const sensor_msgs::PointCloud2ConstPtr& cloud) { return cloud->header.stamp.toSec(); }
   static double stampOf(const ImageMessage& image) { return image.header.stamp.toSec(); }
 
   void process() {
-    workOff("clouds", stats.cloud, clouds,
-            [this](const sensor_msgs::PointCloud2ConstPtr& cloud) { return recordCloud(*cloud); });
+    workOff("clouds", stats.cloud, clouds.queue, [this](const sensor_msgs::PointCloud2ConstPtr& cloud) {
+      return clouds.record(!settling && !waitedEnough(stampOf(cloud)), *recorder, stats.points);
+    });
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       workOff(cameras[i].name(), stats.cameras[i], cameras[i].queue,
               [&](const ImageMessage& image) { return recordImage(i, image); });
@@ -386,12 +265,11 @@ struct Collector::Impl {
   Recorder* recorder;
   CollectorParams params;
   CollectorEvents events;
-  std::string map_frame, sensor_frame;
+  std::string map_frame;
   TransformBuffer transforms;
-  Deskewer deskewer;
+  CloudStream clouds;
   CollectorStats stats;
   std::vector<CameraStream> cameras;
-  std::deque<sensor_msgs::PointCloud2ConstPtr> clouds;
   std::map<std::string, double> last_stamps;
   LineThrottle throttle;
   double newest = 0;  ///< s, of all clouds and images since time last jumped
@@ -425,12 +303,12 @@ void Collector::addTransforms(const tf2_msgs::TFMessage& message, bool is_static
 }
 
 void Collector::addCloud(const sensor_msgs::PointCloud2ConstPtr& message) {
-  impl_->enqueue("clouds", impl_->stats.cloud, impl_->clouds, message);
+  impl_->enqueue("clouds", impl_->stats.cloud, impl_->clouds.queue, message);
 }
 
 void Collector::addCameraInfo(std::size_t camera, const sensor_msgs::CameraInfoConstPtr& message) {
   CameraStream& stream = impl_->cameras.at(camera);
-  stream.takeInfo(message, impl_->params.max_image_size, *impl_->recorder, impl_->sayOf(stream));
+  stream.takeInfo(message, impl_->params.max_image_size, *impl_->recorder, impl_->sayOf(stream.name()));
 }
 
 void Collector::addImage(std::size_t camera, const sensor_msgs::ImageConstPtr& message) {
@@ -451,7 +329,8 @@ void Collector::addMask(std::size_t camera, const sensor_msgs::CompressedImageCo
 
 void Collector::useRecorder(Recorder& recorder) {
   auto cameras = impl_->cameras;  // a copy, as the new recording's disk may be full
-  for (CameraStream& camera : cameras) camera.enter(recorder, impl_->params.max_image_size, impl_->sayOf(camera));
+  for (CameraStream& camera : cameras)
+    camera.enter(recorder, impl_->params.max_image_size, impl_->sayOf(camera.name()));
   impl_->writer.clear();
   impl_->recorder = &recorder;
   impl_->cameras = std::move(cameras);
@@ -485,7 +364,7 @@ void Collector::finish() {
 }
 
 std::size_t Collector::numPending() const {
-  std::size_t pending = impl_->clouds.size() + impl_->writer.numPending();
+  std::size_t pending = impl_->clouds.queue.size() + impl_->writer.numPending();
   for (const CameraStream& camera : impl_->cameras) pending += camera.queue.size();
   return pending;
 }

@@ -234,9 +234,8 @@ void Deskewer::decide(const PointTimes& times) {
   state_ = verdict.is_certain && verdict.is_undone_better ? State::kUndone : State::kAsTheyCame;
   std::ostringstream text;
   text.precision(2);
-  text << "field " << times.field << " [" << times.unit
-       << "] of the clouds tells when a point was measured; the map is " << 100 * verdict.thickness
-       << " cm thick as they came and " << 100 * verdict.thickness_undone
+  text << "field " << times.field << " [" << times.unit << "] tells when a point was measured; the map is "
+       << 100 * verdict.thickness << " cm thick as they came and " << 100 * verdict.thickness_undone
        << " cm with the motion undone: " << (state_ == State::kUndone ? "it is undone" : "they are taken as they came")
        << " (deskew)";
   log_(LogLevel::kInfo, text.str());

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "cloud_colorizer/exchange/trajectory_file.hpp"
+#include "exchange/trajectory_file.hpp"
 
 namespace cloud_colorizer {
 

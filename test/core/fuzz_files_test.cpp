@@ -19,9 +19,9 @@
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "cloud_colorizer/exchange/colmap.hpp"
-#include "cloud_colorizer/exchange/trajectory_file.hpp"
 #include "cloud_colorizer/recording/recorder.hpp"
 #include "core/scratch.hpp"
+#include "exchange/trajectory_file.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/columns.hpp"
-#include "cloud_colorizer/color/solve.hpp"
+#include "color/solve.hpp"
 #include "visibility/seen_points.hpp"
 
 namespace cloud_colorizer {

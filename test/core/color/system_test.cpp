@@ -10,7 +10,7 @@
 #include <limits>
 #include <random>
 
-#include "cloud_colorizer/color/solve.hpp"
+#include "color/solve.hpp"
 
 namespace cloud_colorizer {
 namespace {
