@@ -22,9 +22,8 @@ int main(int argc, char** argv) {
       {"output", "FILE", "the coloured map, .ply, .pcd or .las", true},
       {"recording", "DIR", "keep the recording here instead of in a temporary folder", false}};
   addOutputOptions(spec);
-  // A finished map: every point is wanted, and nothing is known about its scale or about where it was measured from.
+  // A finished map: every point is wanted.
   spec.defaults.record.voxel_size = 0;
-  spec.defaults.depth.max_view_distance = 1e6;
   return runMain(argc, argv, spec, [](const CommandLine& line, const Callbacks& callbacks) {
     checkOutputs(line);
     std::error_code ignored;
@@ -33,7 +32,7 @@ int main(int argc, char** argv) {
         std::filesystem::equivalent(line.option(kWriteModelOption.name), line.option("model"), ignored)) {
       throw UsageError("--write-model would replace the --model that is read; give it another folder");
     }
-    RecordingFolder scratch(line.option("recording"), line.option("output"), callbacks, "max_view_distance=1000000");
+    RecordingFolder scratch(line.option("recording"), line.option("output"), callbacks);
     const Recording recording =
         importModel({line.option("cloud"), line.option("images"), line.option("model"), line.option("masks")},
                     scratch.path(), line.params.record, callbacks);

@@ -137,7 +137,9 @@ int runHeldout(int argc, char** argv) {
     params.params = line.params;
     const std::string output = line.option("output");
     makeDirectory(output);
-    const HeldoutResult result = scoreHeldout(Recording::open(line.positionals[0]), params, output, callbacks);
+    const Recording recording = Recording::open(line.positionals[0]);
+    params.params.depth.max_view_distance = line.params.depth.reach(recording.maxRange());
+    const HeldoutResult result = scoreHeldout(recording, params, output, callbacks);
     writeText(output + "/heldout_views.csv", csv(result.views));
     save(result.methods, output, "heldout");
   });

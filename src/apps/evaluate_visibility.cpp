@@ -118,7 +118,7 @@ int runVisibility(int argc, char** argv) {
     CloudReader reader(line.option("map"));
     const ColoredCloud map = coloredCloud(reader.read(reader.numPoints()), line.option("map"));
     simulation::TruthOptions options;
-    options.max_view_distance = line.params.depth.max_view_distance;
+    options.max_view_distance = line.params.depth.reach(recording.maxRange());
     options.num_threads = line.params.colorize.num_threads;
     const simulation::Scene scene = makeStreet(simulation::streetOf(drive.options()));
     report(map, trueVisibility(scene, map.positions, trueViews(drive, recording), options));

@@ -19,15 +19,9 @@ namespace cloud_colorizer {
 
 class RecordingFolder {
  public:
-  /// `keep` is the user's folder; where it is empty, a new folder is made beside the file `output`. `params`: those of
-  /// the program that differ from the defaults of `colorize`, as "name=value ...".
-  RecordingFolder(const std::string& keep, const std::string& output, const Callbacks& callbacks,
-                  const std::string& params = "")
-      : path_(keep),
-        output_(output),
-        params_(params.empty() ? "" : " " + params),
-        callbacks_(callbacks),
-        is_own_(keep.empty()) {
+  /// `keep` is the user's folder; where it is empty, a new folder is made beside the file `output`.
+  RecordingFolder(const std::string& keep, const std::string& output, const Callbacks& callbacks)
+      : path_(keep), output_(output), callbacks_(callbacks), is_own_(keep.empty()) {
     if (!is_own_) return;
     path_ = output + ".XXXXXX";
     require(mkdtemp(path_.data()) != nullptr, "cannot make a temporary folder ", path_, ": ", std::strerror(errno));
@@ -37,7 +31,7 @@ class RecordingFolder {
     if (is_own_ && !is_whole_) std::filesystem::remove_all(path_, ignored);
     if (is_own_ && is_whole_ && callbacks_.log) {
       callbacks_.log(LogLevel::kWarning, "the recording is kept in " + path_ + "; `colorize " + path_ + " --output " +
-                                             output_ + params_ + "`, with the same parameters, goes on from here");
+                                             output_ + "`, with the same parameters, goes on from here");
     }
   }
   RecordingFolder(const RecordingFolder&) = delete;
@@ -50,7 +44,6 @@ class RecordingFolder {
  private:
   std::string path_;
   std::string output_;
-  std::string params_;
   Callbacks callbacks_;
   bool is_own_, is_whole_ = false;
 };

@@ -50,7 +50,7 @@ SeenImage HeldoutView::at(PointsRef points, const Surfels& surfels, const Params
   std::vector<Eigen::Vector3f> values;
   for (Index p = 0; p < points.cols(); ++p) {
     const Eigen::Vector3f local = camera_from_map * surfels.onSurface(p, points.col(p));
-    if (local.z() <= 0 || local.norm() > static_cast<float>(params.depth.max_view_distance)) continue;
+    if (local.z() <= 0 || local.norm() > static_cast<float>(params.depth.reach())) continue;
     const auto pixel = pixelOf(camera_from_map * points.col(p));
     if (!pixel) continue;
     const Eigen::Vector3f normal = camera_from_map.linear() * surfels.normals.col(p);

@@ -48,7 +48,7 @@ void LivePreview::color(NewestView& newest) {
   const cv::Mat3b image = cv::imdecode(*bytes, cv::IMREAD_REDUCED_COLOR_4);
   if (image.empty()) return;
   const Camera camera = Camera(newest.intrinsics).whileMoving(newest.view.readout_motion);
-  preview_.addView(camera, newest.view.map_from_camera, image, params_.core.depth.max_view_distance);
+  preview_.addView(camera, newest.view.map_from_camera, image, params_.core.depth.reach(params_.core.record.max_range));
 }
 
 void LivePreview::publish(const Eigen::Vector3d& origin) {

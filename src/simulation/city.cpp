@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979;
 constexpr double kRange = 60, kNearest = 1;      // m, of the scanner
+constexpr double kScoredReach = 40;              // m, from a view to what it is asked for
 constexpr double kRangeNoise = 0.003;            // m, standard deviation
 constexpr double kGrazingCosine = 0.02;          // below it nothing comes back
 constexpr double kToHouses = 8;                  // m, where points are as far apart along the way as along a profile
@@ -146,9 +147,8 @@ bool CityScanner::castRay(std::uint64_t ray, Point& point) const {
 
 /// Those of the moment first, for one free line of sight is enough.
 void CityScanner::lookFromViews(const Hit& hit, double time, Point& point) const {
-  const double reach = DepthParams().max_view_distance;
   const auto sees = [&](const TrueView& view) {
-    const LineOfSight sight = lineOfSight(scene_, hit, view, reach);
+    const LineOfSight sight = lineOfSight(scene_, hit, view, kScoredReach);
     if (sight != LineOfSight::kOutOfView) point.hidden = 1;
     return sight == LineOfSight::kFree;
   };

@@ -39,7 +39,7 @@ class CityScanner {
               int num_threads);
 
   /// intensity; true_red, true_green, true_blue; seen: a free line of sight to some view; hidden: in some view's image,
-  /// but none sees it. Of points beyond the colouring's max_view_distance both are 0.
+  /// but none sees it. Of points more than 40 m away from all both are 0.
   static std::vector<Field> fields();
 
   /// The next points (map frame, m; with range noise), as many as a block of rays has; empty at the end.

@@ -88,7 +88,8 @@ void visitMainParams(ParamsT& p, F&& f) {
   f("voxel_size", p.record.voxel_size, "m; one point a voxel is kept; 0 keeps all");
   f("max_range", p.record.max_range, "m from the sensor; farther points are dropped");
   f("keyframe_distance", p.record.keyframe_distance, "m that a camera moves before its next view is kept");
-  f("max_view_distance", p.depth.max_view_distance, "m; views farther away do not colour a point");
+  f("max_view_distance", p.depth.max_view_distance,
+    "m; views farther away do not colour a point; 0: two thirds of max_range, or of a model no limit");
   f("align_poses", p.alignment.align_poses, "none, cameras (their extrinsics) or views (each pose as well)");
   f("tone", p.colorize.tone,
     "display (each place as bright as its images) or radiance (one exposure; fields radiance_...)");

@@ -70,6 +70,7 @@ class Recording {
   const Eigen::Vector3d& origin() const;  ///< m, of all positions and poses, in the map frame
   double voxelSize() const;
   double tileSize() const;
+  double maxRange() const;                   ///< m, of the points from their sensor; infinite where nobody limited it
   const std::vector<Field>& fields() const;  ///< of a point, without x, y, z
   const std::vector<RecordedCamera>& cameras() const;
   const std::vector<View>& views() const;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <limits>
 #include <memory>
 #include <opencv2/core.hpp>
 
@@ -20,10 +21,13 @@ struct DepthParams {
   double depth_tolerance = 0.002;  ///< share of the depth by which a visible point may lie behind the surface, besides
                                    ///< a quarter of its surfel radius and what the slant of the surface explains
   double depth_edge_guard = 3;     ///< px; nearer than this to a depth edge an observation counts as "edge"
-  double max_view_distance = 40;   ///< m; views farther from a point than this do not colour it
+  double max_view_distance = 0;    ///< m; views farther from a point than this do not colour it; 0: see reach()
   double clear_radius = 0;         ///< m; nothing that stays was so near to where a camera has been: it does not hide
 
   void check() const;
+  /// m; max_view_distance, or two thirds of the range up to which a scanner's points were recorded (from farther away,
+  /// too little of what hides a point is known), or no limit.
+  double reach(double max_range = std::numeric_limits<double>::infinity()) const;
   /// px, for an image of this size: 1 / 640 of its longer side, but 2 px at least. Errors of poses and calibration are
   /// angles; they span the more pixels the more there are.
   double cellSize(const Intrinsics& intrinsics) const;

@@ -56,7 +56,7 @@ class Finder {
         depth_(depth),
         edge_distance_(distanceToEdges(depth)),
         camera_from_map_(map_from_camera.inverse().cast<float>()),
-        max_distance_(static_cast<float>(input.depth_params.max_view_distance)) {}
+        max_distance_(static_cast<float>(input.depth_params.reach())) {}
 
   void find(const PointRun& run, std::vector<Sight>& sights) const {
     const Eigen::Vector3f center = camera_from_map_ * run.center;

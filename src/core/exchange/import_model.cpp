@@ -168,7 +168,7 @@ Recording importModel(const ModelFiles& files, const std::string& directory, con
   }
   RecordParams adapted = params;
   adapted.min_range = 0;
-  adapted.max_range = std::numeric_limits<double>::max();
+  adapted.max_range = std::numeric_limits<double>::infinity();
   if (params.tile_size == 0 && params.voxel_size == 0) adapted.tile_size = chooseTileSize(extent);
 
   Recorder recorder(directory, "map", adapted);

@@ -126,7 +126,8 @@ ColoredTiles::ColoredTiles(const Recording& recording, const Params& params)
     : lock_(recording.directory(), false), work_(recording, params) {
   work_.restoreDamagedViews();
   work_.restoreCorrections();
-  require(work_.files().holds(kColorsFolder, colorsKey(recording, params, work_.damagedViews(), work_.corrections())),
+  require(work_.files().holds(kColorsFolder,
+                              colorsKey(recording, work_.params(), work_.damagedViews(), work_.corrections())),
           "the colours in ", recording.directory(),
           " were made with other parameters or from fewer points; colour it again first");
 }

@@ -12,7 +12,7 @@ DepthImage renderDepth(Workspace& work, std::size_t view, const Eigen::Isometry3
   const Recording& recording = work.recording();
   const DepthParams& params = work.params().depth;
   const Camera& camera = work.cameraOf(view);
-  const ViewCone cone(camera, map_from_camera, params.max_view_distance);
+  const ViewCone cone(camera, map_from_camera, params.reach());
   DepthSplatter splatter(camera, map_from_camera.inverse().cast<float>(), params,
                          work.emptySpace(view, map_from_camera));
   for (std::size_t tile = 0; tile < recording.tiles().size(); ++tile) {

@@ -61,6 +61,7 @@ Workspace::Workspace(const Recording& recording, const Params& params, bool alon
             return image;
           },
           [](const DepthImage& image) { return bytesOf(image); }) {
+  params_.depth.max_view_distance = params_.depth.reach(recording_.maxRange());
   std::vector<Camera> cameras;
   for (const RecordedCamera& camera : recording_.cameras()) cameras.emplace_back(camera.intrinsics);
   std::vector<CorrectedView> as_recorded;
@@ -125,7 +126,7 @@ void Workspace::correctViews(std::vector<CorrectedView> corrections) {
   corrections_ = std::move(corrections);
   cones_.clear();
   for (std::size_t view = 0; view < corrections_.size(); ++view) {
-    cones_.emplace_back(cameraOf(view), corrections_[view].map_from_camera, params_.depth.max_view_distance);
+    cones_.emplace_back(cameraOf(view), corrections_[view].map_from_camera, params_.depth.reach());
   }
 }
 

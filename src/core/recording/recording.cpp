@@ -56,6 +56,9 @@ double Recording::voxelSize() const {
 double Recording::tileSize() const {
   return state_->info.tile_size;
 }
+double Recording::maxRange() const {
+  return state_->info.max_range;
+}
 const std::vector<Field>& Recording::fields() const {
   return state_->fields;
 }

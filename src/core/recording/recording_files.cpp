@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <type_traits>
@@ -65,6 +66,8 @@ RecordingInfo parseInfo(const YAML::Node& node, const std::string& path) {
   info.tile_size = node["tile_size"].as<double>();
   require<std::invalid_argument>(info.voxel_size >= 0 && info.tile_size > 0, "voxel_size ", info.voxel_size,
                                  " or tile_size ", info.tile_size, " is not positive");
+  if (const auto max_range = node["max_range"]) info.max_range = max_range.as<double>();
+  require<std::invalid_argument>(info.max_range > 0, "max_range ", info.max_range, " is not positive");
   if (const auto origin = node["origin"]) {
     info.origin.emplace(origin[0].as<double>(), origin[1].as<double>(), origin[2].as<double>());
   }
@@ -128,6 +131,7 @@ RecordingInfo newInfo(const std::string& directory, const std::string& map_frame
   info.map_frame = map_frame;
   info.voxel_size = params.voxel_size;
   info.tile_size = defaultTileSize(params);
+  info.max_range = params.max_range;
   writeInfo(directory, info);
   return info;
 }
@@ -138,6 +142,7 @@ void writeInfo(const std::string& directory, const RecordingInfo& info) {
   out << YAML::Key << "map_frame" << YAML::Value << YAML::DoubleQuoted << info.map_frame;
   out << YAML::Key << "voxel_size" << YAML::Value << formatDouble(info.voxel_size);
   out << YAML::Key << "tile_size" << YAML::Value << formatDouble(info.tile_size);
+  if (std::isfinite(info.max_range)) out << YAML::Key << "max_range" << YAML::Value << formatDouble(info.max_range);
   if (!info.crs.empty()) out << YAML::Key << "crs" << YAML::Value << YAML::DoubleQuoted << info.crs;
   if (info.origin) {
     out << YAML::Key << "origin" << YAML::Value << YAML::Flow << YAML::BeginSeq;

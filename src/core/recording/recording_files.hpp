@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,7 @@ constexpr int kRecordingVersion = 1;
 struct RecordingInfo {
   std::string map_frame;
   double voxel_size = 0, tile_size = 0;
+  double max_range = std::numeric_limits<double>::infinity();  ///< m
   std::optional<Eigen::Vector3d> origin;
   std::optional<std::vector<Field>> fields;
   std::string crs;

@@ -126,8 +126,12 @@ void DepthParams::check() const {
   if (depth_cell_size != 0) requireInRange("depth_cell_size", depth_cell_size, 0.5, 64.0);
   requireInRange("depth_tolerance", depth_tolerance, 0.0, 0.5);
   requireInRange("depth_edge_guard", depth_edge_guard, 0.0, 100.0);
-  requireInRange("max_view_distance", max_view_distance, 1e-6, 1e9);
+  requireInRange("max_view_distance", max_view_distance, 0.0, std::numeric_limits<double>::infinity());
   requireInRange("clear_radius", clear_radius, 0.0, 100.0);
+}
+
+double DepthParams::reach(double max_range) const {
+  return max_view_distance > 0 ? max_view_distance : max_range / 1.5;
 }
 
 double DepthParams::cellSize(const Intrinsics& intrinsics) const {
@@ -241,7 +245,7 @@ void DepthSplatter::splat(const Eigen::Vector3f& point, const Eigen::Vector3f& n
 }
 
 void DepthSplatter::add(PointsRef points, const Surfels& surfels) {
-  const auto reach = static_cast<float>(params_.max_view_distance * 1.1), reach2 = reach * reach;
+  const auto reach = static_cast<float>(params_.reach() * 1.1), reach2 = reach * reach;
   const Eigen::Matrix3f rotation = camera_from_map_.linear();
   const Eigen::Vector3f translation = camera_from_map_.translation();
   for (Eigen::Index i = 0; i < points.cols(); ++i) {

@@ -69,7 +69,7 @@ class Looker {
         camera_(*view.camera),
         sampler_(samplerOf(*view.image, view.id)),
         saturation_(saturationOf(*view.image)),
-        max_distance_(static_cast<float>(depth_params.max_view_distance)),
+        max_distance_(static_cast<float>(depth_params.reach())),
         right_(static_cast<float>(camera_.intrinsics().width - 1)),
         bottom_(static_cast<float>(camera_.intrinsics().height - 1)),
         values_(static_cast<std::size_t>(view.image->channels())) {

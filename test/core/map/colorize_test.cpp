@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -200,7 +201,6 @@ TEST_F(Colorize, AWallInAnotherChunkHides) {
 
 TEST_F(Colorize, ASceneOfAnotherScaleHasTheSameColours) {
   params_.colorize.method = Method::kDefault;
-  params_.depth.max_view_distance = 1e6;
   const auto colors_at = [&](const std::string& name, double scale) {
     const Recording recording = record(name, {5, 5.6}, 0.06, kThreeCameras, 5, scale);
     colorize(recording, params_, {});
@@ -434,6 +434,7 @@ TEST_F(Colorize, WhatMovedIsMarkedHidesNothingAndCanBeDropped) {
 }
 
 TEST_F(Colorize, ReasonsAddUpToAllPoints) {
+  record_.max_range = 70;  // so views colour up to 46.7 m
   const Recording recording = record("r", {5, 15, 60}, 0.1, {{0, 0, 2}}, 5);
   const ColorizeSummary summary = colorize(recording, params_, {});
   std::size_t sum = 0;
@@ -441,6 +442,8 @@ TEST_F(Colorize, ReasonsAddUpToAllPoints) {
   EXPECT_EQ(sum, recording.numPoints());
   EXPECT_GT(summary.by_reason[static_cast<std::size_t>(Unseen::kTooFar)], 0U);
   EXPECT_NE(summary.describe().find("beyond max_view_distance"), std::string::npos);
+  params_.depth.max_view_distance = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(colorize(recording, params_, {}).by_reason[static_cast<std::size_t>(Unseen::kTooFar)], 0U);
 }
 
 TEST_F(Colorize, ARecordingWithoutPointsOrViewsSaysSo) {

@@ -179,6 +179,14 @@ TEST(Depth, FisheyeSeesSurfacesBesideAndBehind) {
   }
 }
 
+TEST(Depth, ViewsReachTwoThirdsOfTheRangeOfTheScanner) {
+  DepthParams params;
+  EXPECT_EQ(params.reach(), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(params.reach(60), 40);
+  params.max_view_distance = 5;
+  EXPECT_EQ(params.reach(60), 5);
+}
+
 TEST(Depth, ParametersOutOfRangeAreRefused) {
   for (const auto field : {&DepthParams::depth_cell_size, &DepthParams::depth_tolerance, &DepthParams::depth_edge_guard,
                            &DepthParams::max_view_distance}) {

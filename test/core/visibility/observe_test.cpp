@@ -10,7 +10,12 @@ namespace cloud_colorizer {
 namespace {
 
 const Camera kCamera({100, 80, 100, 100, 49.5, 39.5, DistortionModel::kPlumbBob, {}});
-const DepthParams kDepth;
+DepthParams reaching40Meters() {
+  DepthParams params;
+  params.max_view_distance = 40;
+  return params;
+}
+const DepthParams kDepth = reaching40Meters();
 const ObserveParams kParams;
 
 std::shared_ptr<DepthImage> openDepth() {

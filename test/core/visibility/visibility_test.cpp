@@ -44,7 +44,7 @@ Score score(const Scene& scene, const Scan& scan, const std::vector<Eigen::Isome
     for (const auto& pose : poses) {
       const Eigen::Vector3f local = (pose.inverse() * scan.truth[i]).cast<float>();
       const auto pixel = kCamera.project(local);
-      if (!pixel || local.norm() > params.max_view_distance) continue;
+      if (!pixel || local.norm() > params.reach()) continue;
       if (std::min({pixel->x(), pixel->y(), 1279 - pixel->x(), 799 - pixel->y()}) < 4) continue;  // image border
       inside = true;
       visible = visible || scene.sees(pose.translation(), scan.truth[i]);
