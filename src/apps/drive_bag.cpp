@@ -15,7 +15,9 @@
 #include <boost/make_shared.hpp>
 #include <cstring>
 #include <filesystem>
+#include <opencv2/imgcodecs.hpp>
 
+#include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
 
 namespace cloud_colorizer::simulation {
@@ -148,6 +150,27 @@ void DriveBag::writeImage(int camera, int frame, const ImageBytes& image) {
     message.data = image;
     impl_->write(imageTopic(impl_->drive, camera), received, message);
   }
+}
+
+void DriveBag::writeQuantities(int camera, int frame, const QuantityImages& images) {
+  const DriveCamera& c = impl_->drive.cameras().at(static_cast<std::size_t>(camera));
+  const double received = impl_->drive.imageTime(camera, frame) + kLatency;
+  sensor_msgs::CompressedImage labels;
+  labels.header.frame_id = c.frame;
+  labels.header.stamp = timeOf(impl_->drive.imageStamp(camera, frame));
+  labels.header.seq = static_cast<std::uint32_t>(frame);
+  labels.format = "mono8; png compressed ";
+  require(cv::imencode(".png", images.labels, labels.data), "OpenCV cannot encode PNG images");
+  impl_->write("/" + c.name + "/labels/compressed", received, labels);
+  sensor_msgs::Image thermal;
+  thermal.header = labels.header;
+  thermal.width = static_cast<std::uint32_t>(images.thermal.cols);
+  thermal.height = static_cast<std::uint32_t>(images.thermal.rows);
+  thermal.encoding = "16UC1";
+  thermal.step = 2 * thermal.width;
+  const auto* const bytes = images.thermal.ptr<std::uint8_t>();
+  thermal.data.assign(bytes, bytes + images.thermal.total() * 2);
+  impl_->write("/" + c.name + "/thermal", received, thermal);
 }
 
 void DriveBag::writeScan(int frame, const std::vector<Return>& returns) {

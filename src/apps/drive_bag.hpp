@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "simulation/drive.hpp"
+#include "simulation/quantities.hpp"
 #include "simulation/sensors.hpp"
 
 namespace cloud_colorizer::simulation {
@@ -26,6 +27,9 @@ class DriveBag {
   /// The poses of tf up to `time` [s] that have not been written yet.
   void writePosesUntil(double time);
   void writeImage(int camera, int frame, const ImageBytes& image);
+  /// At the image's time and place: CompressedImage /camera_i/labels/compressed (mono8), Image /camera_i/thermal
+  /// (16UC1).
+  void writeQuantities(int camera, int frame, const QuantityImages& images);
   void writeScan(int frame, const std::vector<Return>& returns);
   void close();
 

@@ -9,8 +9,10 @@
 
 #include "apps/command_line.hpp"
 #include "cloud_colorizer/base/check.hpp"
+#include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "evaluation/clouds.hpp"
 #include "evaluation/heldout.hpp"
+#include "evaluation/quantities.hpp"
 #include "evaluation/score.hpp"
 #include "evaluation/tables.hpp"
 
@@ -148,7 +150,10 @@ int runHeldout(int argc, char** argv) {
 int runScore(int argc, char** argv) {
   CommandSpec spec;
   spec.program = "evaluate score";
-  spec.summary = "Compares two coloured clouds: each point of the truth with the nearest one of the result.";
+  spec.summary =
+      "Compares two coloured clouds: each point of the truth with the nearest one of the result. Other quantities "
+      "that\n"
+      "both have (temperature, label) get a line each.";
   spec.takes_params = false;
   spec.options = {{"truth", "FILE", "coloured cloud, .ply, .pcd or .las", true},
                   {"result", "FILE", "coloured cloud; points with view_count 0 do not count", true},
@@ -164,6 +169,13 @@ int runScore(int argc, char** argv) {
     const Score score = scoreClouds(relative(truth.positions, origin), truth.colors, relative(result.positions, origin),
                                     result.colors, line.value("max-distance", 0.1));
     std::cout << score.describe() << "\n";
+    const auto whole = [&](const char* option) {
+      CloudReader reader(line.option(option));
+      return reader.read(reader.numPoints());
+    };
+    for (const QuantityScore& of : scoreQuantities(whole("truth"), whole("result"), line.value("max-distance", 0.1))) {
+      std::cout << of.describe() << "\n";
+    }
   });
 }
 

@@ -24,6 +24,7 @@ namespace {
 std::vector<simulation::TrueView> trueViews(const simulation::Drive& drive, const Recording& recording) {
   std::vector<simulation::TrueView> views;
   for (const View& view : recording.views()) {
+    if (recording.cameras()[view.camera].quantity.kind != ImageKind::kColor) continue;
     const std::string& name = recording.cameras()[view.camera].name;
     const auto& cameras = drive.cameras();
     const auto found = std::find_if(cameras.begin(), cameras.end(), [&](const auto& c) { return c.name == name; });

@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "apps/command_line.hpp"
+#include "apps/field_colors.hpp"
 #include "base/columns.hpp"
 #include "base/file_io.hpp"
 #include "cloud/cloud_colors.hpp"
@@ -37,25 +38,6 @@ Colorist colorsOf(const std::string& path, const Callbacks& callbacks) {
   const std::string note = fields.describe(largest);
   if (!note.empty()) callbacks.log(LogLevel::kInfo, path + ": " + note);
   return [fields, scale = fields.scale(largest)](const Cloud& cloud) -> Values { return fields.read(cloud) * scale; };
-}
-
-/// The numbers of another field on a scale of colours. Whole numbers begin at 1: a view_count of 0 is no colour.
-Colorist numbersOf(const std::string& path, const std::string& name, float high) {
-  const std::vector<Field> fields = CloudReader(path).fields();
-  const auto found = findField(fields, name);
-  std::string known;
-  for (const Field& field : fields) known += " " + field.name;
-  require(found.has_value(), path, " has no field ", name, "; it has:", known);
-  const FieldType type = found->field.type;
-  const float low = type == FieldType::kFloat32 || type == FieldType::kFloat64 ? 0 : 1;
-  return [=, offset = found->offset, size = recordSize(fields)](const Cloud& cloud) {
-    Eigen::VectorXf numbers(cloud.positions.cols());
-    for (Eigen::Index i = 0; i < numbers.size(); ++i) {
-      const std::uint8_t* record = cloud.records.data() + static_cast<std::size_t>(i) * size;
-      numbers[i] = static_cast<float>(numberAt(record + offset, type));
-    }
-    return colorScale(numbers, low, high);
-  };
 }
 
 /// The points that are somewhere: a map may hold NaN where a ray met nothing.
@@ -103,7 +85,9 @@ void render(const CommandLine& line, const Callbacks& callbacks) {
   params.field_of_view = line.value("fov", 70.0);
   params.point_size = line.value("point-size", 0.07);
   params.check();
-  const auto high = line.value("high", 20.F);
+  const auto end = [&](const char* name) {
+    return line.has(name) ? std::optional<float>(line.value(name, 0.F)) : std::nullopt;
+  };
   const auto vector = [&](const char* name, const Eigen::Vector3d& otherwise) -> Eigen::Vector3d {
     return line.has(name) ? Eigen::Vector3d(line.list<double>(name, "", ',', 3).data()) : otherwise;
   };
@@ -119,8 +103,16 @@ void render(const CommandLine& line, const Callbacks& callbacks) {
   std::vector<cv::Mat> pictures;
   std::vector<std::string> captions;
   for (const std::string& path : line.positionals) {
-    const Colorist colorist = field == "rgb" ? colorsOf(path, callbacks) : numbersOf(path, field, high);
-    pictures.push_back(drawPicture(mapSource(path, colorist, origin), lookAt(eye, target, up), params));
+    const auto draw = [&](const Colorist& colorist) {
+      pictures.push_back(drawPicture(mapSource(path, colorist, origin), lookAt(eye, target, up), params));
+    };
+    if (field == "rgb") {
+      draw(colorsOf(path, callbacks));
+    } else {
+      const FieldColors colors(path, field, end("low"), end("high"));
+      draw(colors);
+      colors.drawBar(pictures.back());
+    }
     captions.push_back(std::filesystem::path(path).stem().string());
   }
   const cv::Mat picture = pictures.size() == 1 ? pictures[0] : besideEachOther(pictures, captions);
@@ -141,14 +133,17 @@ int main(int argc, char** argv) {
   spec.min_positionals = 1;
   spec.max_positionals = 16;
   spec.takes_params = false;
-  spec.options = {{"output", "FILE", "the picture, .png or .jpg", true},
-                  {"eye", "X,Y,Z", "m, where to look from; default: above, high enough to see all", false},
-                  {"target", "X,Y,Z", "m, where to look to; default: the centre", false},
-                  {"up", "X,Y,Z", "what is upwards; default 0,0,1 (0,-1,0 in the frame of a camera)", false},
-                  {"fov", "DEG", "horizontal field of view; default 70", false},
-                  {"size", "WxH", "px of one picture; default 960x540", false},
-                  {"point-size", "M", "diameter of a point; default 0.07", false},
-                  {"field", "NAME", "rgb (default), view_count, color_stddev or another field", false},
-                  {"high", "X", "value at the bright end of the scale of a field; default 20", false}};
+  spec.options = {
+      {"output", "FILE", "the picture, .png or .jpg", true},
+      {"eye", "X,Y,Z", "m, where to look from; default: above, high enough to see all", false},
+      {"target", "X,Y,Z", "m, where to look to; default: the centre", false},
+      {"up", "X,Y,Z", "what is upwards; default 0,0,1 (0,-1,0 in the frame of a camera)", false},
+      {"fov", "DEG", "horizontal field of view; default 70", false},
+      {"size", "WxH", "px of one picture; default 960x540", false},
+      {"point-size", "M", "diameter of a point; default 0.07", false},
+      {"field", "NAME",
+       "rgb (default), view_count, color_stddev or another field: temperature, or label (a colour a class)", false},
+      {"low", "X", "value at the dark end of the scale of a field; default 0, or of a measured value its least", false},
+      {"high", "X", "value at the bright end; default 20, or the greatest", false}};
   return runMain(argc, argv, spec, render);
 }

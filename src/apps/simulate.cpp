@@ -70,6 +70,7 @@ Arguments argumentsOf(const CommandLine& line) {
 struct Frame {
   std::vector<Return> scan;
   std::vector<ImageBytes> images;
+  std::vector<QuantityImages> quantities;
 };
 
 ImageBytes encode(const cv::Mat3b& rgb, const Options& options) {
@@ -90,6 +91,21 @@ void writeRigFile(const Drive& drive, const std::string& path) {
     text += "  - {image: " + imageTopic(drive, i) + ", camera_info: /" + name + "/camera_info, time_offset: 0" +
             (drive.options().readout > 0 ? ", readout_time: " + formatDouble(drive.options().readout) : "") + "}\n";
   }
+  for (int i = 0; drive.options().quantities && i < drive.options().cameras; ++i) {
+    const std::string& name = drive.cameras()[static_cast<std::size_t>(i)].name;
+    const auto add = [&](const std::string& topic, const std::string& kind) {
+      text += "  - {image: /" + name + topic + ", camera_info: /" + name + "/camera_info, kind: " + kind + "}\n";
+    };
+    add("/labels/compressed", "labels, names: classes.txt");
+    add("/thermal", "radiometric, scale: " + formatDouble(kThermalScale) + ", offset: " + formatDouble(kThermalOffset));
+  }
+  writeFileAtomically(path, text.data(), text.size());
+}
+
+void writeClasses(const std::string& path) {
+  const std::string text =
+      "sky\nplain\nground\npaving\nkerb\nfacade\nroof\ncar body\ncar cabin\nwheel\nbark\nleaves\n"
+      "sign\nbands\n";
   writeFileAtomically(path, text.data(), text.size());
 }
 
@@ -100,11 +116,12 @@ void driveAndRecord(const Scene& scene, const Drive& drive, int threads, const C
   std::vector<PixelRays> rays;
   for (const DriveCamera& camera : drive.cameras()) rays.emplace_back(camera.camera, threads);
   const auto take = [&](int frame) {
-    Frame taken{takeScan(scene, drive, frame), {}};
+    Frame taken{takeScan(scene, drive, frame), {}, {}};
     for (int camera = 0; camera < o.cameras; ++camera) {
       if (callbacks.cancelled()) throw Cancelled();
       const PixelRays& of_camera = rays[static_cast<std::size_t>(camera)];
       taken.images.push_back(encode(takeImage(scene, drive, of_camera, camera, frame), o));
+      if (o.quantities) taken.quantities.push_back(takeQuantities(scene, drive, of_camera, camera, frame));
     }
     return taken;
   };
@@ -119,6 +136,7 @@ void driveAndRecord(const Scene& scene, const Drive& drive, int threads, const C
       bag.writePosesUntil(drive.scanTime(frame + 1));
       for (std::size_t camera = 0; camera < rays.size(); ++camera) {
         bag.writeImage(static_cast<int>(camera), frame, frames[i].images[camera]);
+        if (o.quantities) bag.writeQuantities(static_cast<int>(camera), frame, frames[i].quantities[camera]);
       }
       bag.writeScan(frame, frames[i].scan);
       truth.add(scene, frames[i].scan);
@@ -136,10 +154,11 @@ void simulate(const CommandLine& line, const Callbacks& callbacks) {
   const Drive drive(arguments.options);
   std::filesystem::create_directories(output);
   const Scene scene = makeStreet(streetOf(arguments.options), arguments.threads);
-  TruthCloud truth(arguments.options.voxel_size);
+  TruthCloud truth(arguments.options.voxel_size, arguments.options.quantities);
   DriveBag bag(output / "drive.bag", drive);
   driveAndRecord(scene, drive, arguments.threads, callbacks, bag, truth);
   writeRigFile(drive, output / "rig.yaml");
+  if (arguments.options.quantities) writeClasses(output / "classes.txt");
   truth.write(output / "truth.ply");
   writeTruePoses(drive, output / "truth_poses.csv");
   writeSceneFile(drive, output / "scene.yaml");

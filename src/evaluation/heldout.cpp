@@ -22,6 +22,12 @@ namespace {
 
 using Eigen::Index;
 
+std::vector<std::size_t> colorsOnly(const Recording& recording, std::vector<std::size_t> views) {
+  const auto is_other = [&](std::size_t view) { return recording.quantityOf(view).kind != ImageKind::kColor; };
+  views.erase(std::remove_if(views.begin(), views.end(), is_other), views.end());
+  return views;
+}
+
 ColoredMap colorMap(const Recording& training, const HeldoutParams& params, Method method, const Callbacks& callbacks) {
   Params settings = params.params;
   settings.colorize.method = method;
@@ -59,7 +65,7 @@ class Heldout {
       : recording_(recording),
         params_(params),
         directory_(directory),
-        views_(heldoutViews(recording.views(), params.every)),
+        views_(colorsOnly(recording, heldoutViews(recording.views(), params.every))),
         training_(trainingOf()),
         scan_times_(recording.scans()) {
     for (const Method method : params.methods) maps_.push_back(colorMap(training_, params, method, callbacks));

@@ -80,7 +80,7 @@ std::vector<Choice> extremes(const json& views, std::size_t camera) {
 
 std::vector<Choice> middleView(const Workspace& work, std::size_t camera) {
   std::vector<std::size_t> own;
-  for (const std::size_t view : work.usableViews()) {
+  for (const std::size_t view : work.colorViews()) {
     if (work.recording().views()[view].camera == camera) own.push_back(view);
   }
   if (own.empty()) return {};

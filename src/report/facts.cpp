@@ -73,7 +73,8 @@ json camerasOf(const Recording& recording) {
                        {"views", views[i]},
                        {"width", camera.intrinsics.width},
                        {"height", camera.intrinsics.height},
-                       {"model", toString(camera.intrinsics.model)}});
+                       {"model", toString(camera.intrinsics.model)},
+                       {"kind", enumNames(camera.quantity.kind)[static_cast<std::size_t>(camera.quantity.kind)]}});
   }
   return cameras;
 }

@@ -43,15 +43,16 @@ cv::Mat decode(const ImageMessage& image) {
 }
 
 /// Size of the image; throws Refused when it cannot be decoded.
-cv::Size inspectSize(const ImageMessage& image, PendingView& view) {
+cv::Size inspectSize(const ImageMessage& image, ImageKind kind, PendingView& view) {
   try {
+    view.kind = kind;
     if (image.raw) {
-      checkImage(*image.raw);
+      checkImage(*image.raw, kind);
       return {static_cast<int>(image.raw->width), static_cast<int>(image.raw->height)};
     }
-    const EncodedInfo info = inspectCompressed(*image.compressed);
+    const EncodedInfo info = inspectCompressed(*image.compressed, kind);
     view.extension = info.extension;
-    view.is_decoded = info.is_mosaic || info.depth == 16;
+    view.is_decoded = kind == ImageKind::kColor && (info.is_mosaic || info.depth == 16);
     return info.size;
   } catch (const Invalid& error) {
     throw Refused{Outcome::kUndecodable, error.what()};
@@ -98,7 +99,7 @@ void CameraStream::readInfo(Recorder& into, double max_image_size, const Say& sa
     info_error_.reason = error.what();
     return;
   }
-  id_ = into.setCamera(name_, intrinsics_);
+  id_ = into.setCamera(name_, intrinsics_, params_.toldQuantity());
   if (!mask_.empty()) into.setMask(*id_, mask_);
 }
 
@@ -122,7 +123,7 @@ void CameraStream::takeMask(ImageMessage mask) {
 
 PendingView CameraStream::newPanorama(const ImageMessage& image, double max_image_size, Recorder& into) {
   PendingView view;
-  const cv::Size size = inspectSize(image, view);
+  const cv::Size size = inspectSize(image, params_.kind, view);
   if (faces_.empty() || size != cv::Size(intrinsics_.width, intrinsics_.height)) {
     faces_.clear();
     intrinsics_.width = size.width;
@@ -185,7 +186,7 @@ void CameraStream::resumeAt(const Eigen::Isometry3d& pose, double stamp) {
 }
 
 void CameraStream::inspect(const ImageMessage& image, PendingView& view, const Say& say) {
-  const cv::Size size = inspectSize(image, view);
+  const cv::Size size = inspectSize(image, params_.kind, view);
   if (size != cv::Size(intrinsics_.width, intrinsics_.height)) {
     std::ostringstream text;
     text << "the image is " << size.width << " x " << size.height << ", its camera_info says " << intrinsics_.width
@@ -193,6 +194,7 @@ void CameraStream::inspect(const ImageMessage& image, PendingView& view, const S
     throw Refused{Outcome::kSizeMismatch, text.str()};
   }
   if (params_.masks) view.mask = maskOf(image);
+  if (params_.kind != ImageKind::kColor) return;
   if (image.raw ? isWide(*image.raw) : view.is_decoded) view.bits = bitsOfCamera(image, say);
 }
 

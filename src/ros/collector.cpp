@@ -234,7 +234,7 @@ struct Collector::Impl {
 
   /// Tells of a view that was written.
   void viewKept(const PendingView& view) {
-    if (!events.view_kept) return;
+    if (!events.view_kept || view.kind != ImageKind::kColor) return;
     View kept;
     kept.camera = view.id;
     kept.stamp = view.stamp;

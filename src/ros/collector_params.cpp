@@ -64,6 +64,13 @@ const char* toString(Outcome outcome) {
   return kNames[static_cast<std::size_t>(outcome)];
 }
 
+Quantity CameraParams::toldQuantity() const {
+  Quantity told{kind, quantity, scale, offset, names};
+  if (kind == ImageKind::kColor) return {};
+  if (told.name.empty()) told.name = kind == ImageKind::kRadiometric ? "temperature" : "label";
+  return told;
+}
+
 void CollectorParams::check() const {
   require<std::invalid_argument>(!map_frame.empty() && map_frame != "/", "parameter map_frame must not be empty");
   requireInRange("tf_wait", tf_wait, 0.0, 3600.0);
@@ -87,6 +94,10 @@ void CollectorParams::check() const {
                                    " has no meaning for a panorama, whose rows come from several sensors");
     const std::string bits = "camera_" + std::to_string(i) + "/bits";
     if (cameras[i].bits != 0) requireInRange(bits.c_str(), cameras[i].bits, 9, 16);
+    cameras[i].toldQuantity().check();
+    require<std::invalid_argument>(cameras[i].kind == ImageKind::kColor || !cameras[i].isPanorama(),
+                                   "parameter camera_", i,
+                                   "/kind must be color for a panorama, of which the faces of a cube are kept");
   }
   record.check();
 }

@@ -16,7 +16,7 @@
 #include <set>
 
 #include "base/text.hpp"
-#include "camera/pixels.hpp"
+#include "camera/values.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/conversions.hpp"
 
@@ -166,6 +166,23 @@ struct PixelLayout {
   cv::Mat (*to_bgr)(const cv::Mat&) = nullptr;    ///< of what cv_bridge does not know
 };
 
+/// Of numbers that are no colours.
+PixelLayout valueLayout(const sensor_msgs::Image& message, ImageKind kind) {
+  const std::string& encoding = message.encoding;
+  const bool is_known = encoding == enc::MONO8 || encoding == enc::MONO16 || encoding.rfind("8UC", 0) == 0 ||
+                        encoding.rfind("16UC", 0) == 0 || encoding.rfind("32FC", 0) == 0;
+  require<Invalid>(is_known, "the image encoding is ", encoding,
+                   "; numbers that are no colours are mono8, mono16, 8UC, 16UC or 32FC with the number of channels");
+  PixelLayout layout;
+  try {
+    layout.type = cv_bridge::getCvType(encoding);
+    requireValues(layout.type, kind, "an image of the encoding " + encoding);
+  } catch (const std::runtime_error& error) {
+    throw Invalid(error.what());
+  }
+  return layout;
+}
+
 PixelLayout pixelLayout(const sensor_msgs::Image& message) {
   static const std::map<std::string, PixelLayout> newer = {
       {"yuv422_yuy2", {CV_8UC2, 2, 2, 1, bgrByOpenCv<cv::COLOR_YUV2BGR_YUY2>}},
@@ -227,11 +244,12 @@ CameraFromInfo cameraFromMessage(const CameraInfo& message, bool rectified) {
   return camera;
 }
 
-EncodedInfo inspectCompressed(const sensor_msgs::CompressedImage& message) {
+EncodedInfo inspectCompressed(const sensor_msgs::CompressedImage& message, ImageKind kind) {
   static const std::uint8_t kPng[] = {0x89, 'P', 'N', 'G', 0x0D, 0x0A, 0x1A, 0x0A};
   const auto& data = message.data;
   const std::string encoding = encodingOfFormat(message.format);
-  require<Invalid>(message.format.find("compressedDepth") == std::string::npos && !isOfValues(encoding),
+  require<Invalid>(message.format.find("compressedDepth") == std::string::npos &&
+                       (kind != ImageKind::kColor || !isOfValues(encoding)),
                    "the compressed image has the format \"", message.format, "\": depths or other values, no colours");
   EncodedInfo info;
   if (data.size() >= 2 && data[0] == 0xFF && data[1] == 0xD8) {
@@ -259,8 +277,8 @@ bool isOfValues(const std::string& encoding) {
   return values.count(encoding) != 0;
 }
 
-void checkImage(const sensor_msgs::Image& message) {
-  const PixelLayout layout = pixelLayout(message);
+void checkImage(const sensor_msgs::Image& message, ImageKind kind) {
+  const PixelLayout layout = kind == ImageKind::kColor ? pixelLayout(message) : valueLayout(message, kind);
   require<Invalid>(message.width > 0 && message.height > 0 && message.width % layout.width_unit == 0 &&
                        message.height % layout.height_unit == 0,
                    "the image has the size ", message.width, " x ", message.height, ", which ", message.encoding,
@@ -293,6 +311,11 @@ cv::Mat imageFromMessage(const sensor_msgs::Image& message) {
   } catch (const cv::Exception& error) {
     throw Invalid("image: " + error.err);
   }
+}
+
+cv::Mat valuesFromMessage(const sensor_msgs::Image& message, ImageKind kind) {
+  checkImage(message, kind);
+  return pixelsOf(message, valueLayout(message, kind));
 }
 
 bool isGrey(const std::string& encoding) {

@@ -11,6 +11,7 @@
 #include <set>
 #include <sstream>
 
+#include "base/param_text.hpp"
 #include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/ros/bag_source.hpp"
@@ -69,7 +70,10 @@ void checkKeys(const YAML::Node& node, const std::set<std::string>& known, const
 }
 
 RigCamera readCamera(const YAML::Node& node, const std::string& file) {
-  checkKeys(node, {"image", "camera_info", "time_offset", "mask", "masks", "model", "rectified", "readout_time"}, file);
+  checkKeys(node,
+            {"image", "camera_info", "time_offset", "mask", "masks", "model", "rectified", "readout_time", "kind",
+             "quantity", "scale", "offset", "names"},
+            file);
   require(static_cast<bool>(node["image"]), file, ": a camera has no image; an example:\n", exampleRig());
   RigCamera camera;
   camera.image = node["image"].as<std::string>();
@@ -81,9 +85,23 @@ RigCamera readCamera(const YAML::Node& node, const std::string& file) {
   if (node["masks"]) camera.masks = node["masks"].as<std::string>();
   camera.params.masks = !camera.masks.empty();
   if (node["time_offset"]) camera.params.time_offset = node["time_offset"].as<double>();
-  if (node["mask"] && !node["mask"].as<std::string>().empty()) {
-    camera.params.mask = (std::filesystem::path(file).parent_path() / node["mask"].as<std::string>()).string();
+  const auto besideRig = [&](const char* key) -> std::string {
+    if (!node[key] || node[key].as<std::string>().empty()) return {};
+    return (std::filesystem::path(file).parent_path() / node[key].as<std::string>()).string();
+  };
+  camera.params.mask = besideRig("mask");
+  if (node["kind"]) camera.params.kind = parseValue<ImageKind>(file + ": kind", node["kind"].as<std::string>());
+  if (camera.params.kind == ImageKind::kColor) {
+    for (const char* key : {"quantity", "scale", "offset", "names"}) {
+      require(!node[key], file, ": unknown key ", key,
+              " of a camera of colours; it is for kind: radiometric, labels or ",
+              "logits. Stamps are shifted by time_offset; an example:\n", exampleRig());
+    }
   }
+  if (node["quantity"]) camera.params.quantity = node["quantity"].as<std::string>();
+  if (node["scale"]) camera.params.scale = node["scale"].as<double>();
+  if (node["offset"]) camera.params.offset = node["offset"].as<double>();
+  camera.params.names = besideRig("names");
   return camera;
 }
 
@@ -170,6 +188,12 @@ std::string exampleRig() {
          "    rectified: false                  # true: P counts, without distortion\n"
          "    # readout_time: 0.02             # s from the first row to the last, of a rolling shutter\n"
          "    # model: equirectangular          # images of all directions, which need no camera_info\n"
+         "  # - image: /thermal/image           # a camera that shows no colours\n"
+         "  #   kind: radiometric               # or labels, logits\n"
+         "  #   quantity: temperature           # field of the map\n"
+         "  #   scale: 0.01                     # value = scale * number + offset\n"
+         "  #   offset: -273.15\n"
+         "  #   names: classes.txt              # labels, logits: what they mean; kept beside the map\n"
          "map_frame: map                        # may be left out\n"
          "# odometry: /odom                     # nav_msgs/Odometry or geometry_msgs/PoseStamped, where tf has no "
          "poses\n"
@@ -192,6 +216,8 @@ Rig readRig(const std::string& file, const TopicTypes& topics) {
     for (const YAML::Node& camera : node["cameras"]) rig.cameras.push_back(readCamera(camera, file));
   } catch (const YAML::Exception& error) {
     throw std::runtime_error(file + ": " + error.what());
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(error.what());
   }
   const auto cloud = topics.find(rig.cloud);
   if (cloud == topics.end() || !isLivoxType(cloud->second)) checkTopic(topics, rig.cloud, {kCloud}, file);

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "camera/pixels.hpp"
+#include "camera/values.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -17,6 +17,15 @@ cv::Mat opaqueOf(const sensor_msgs::Image& message) {
 }
 cv::Mat opaqueOf(const sensor_msgs::CompressedImage&) {
   return {};  // what may have alpha is kept as received
+}
+
+std::vector<EncodedPixels> valuesOf(const sensor_msgs::Image& message, ImageKind kind, const cv::Mat1b& mask,
+                                    const std::string& format) {
+  return {{encodeValues(valuesFromMessage(message, kind), format), mask}};
+}
+std::vector<EncodedPixels> valuesOf(const sensor_msgs::CompressedImage&, ImageKind, const cv::Mat1b&,
+                                    const std::string&) {
+  return {};  // what shows no colours is kept as received
 }
 
 /// BGRA of what is BGR.
@@ -54,7 +63,8 @@ void ViewWriter::add(PendingView view, const sensor_msgs::CompressedImageConstPt
 template <class MessagePtr>
 std::future<std::vector<EncodedPixels>> ViewWriter::encode(const MessagePtr& message, const PendingView& view,
                                                            const std::string& format) {
-  return pool_.run([message, bits = view.bits, faces = view.faces, mask = view.mask, format] {
+  return pool_.run([message, kind = view.kind, bits = view.bits, faces = view.faces, mask = view.mask, format] {
+    if (kind != ImageKind::kColor) return valuesOf(*message, kind, mask, format);
     const cv::Mat image = withAlpha(scaledTo16Bits(imageFromMessage(*message), bits), opaqueOf(*message));
     std::vector<EncodedPixels> encoded;
     encoded.reserve(std::max<std::size_t>(1, faces.size()));

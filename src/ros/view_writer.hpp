@@ -42,6 +42,7 @@ struct PendingView {
   Intrinsics intrinsics;
   SharedBytes bytes;  ///< of a compressed image, as received
   std::string extension;
+  ImageKind kind = ImageKind::kColor;
   bool is_decoded = false;         ///< a compressed image that is not kept as received: a mosaic, or scaled to 16 bits
   cv::Mat1b mask;                  ///< of this view alone; empty: none
   int bits = 16;                   ///< of 16 bits a channel, those that are filled

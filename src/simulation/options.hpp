@@ -36,6 +36,7 @@ struct Options {
   int jpeg_quality = 95;
   double readout = 0;                          ///< s from the first row of an image to the last
   std::string image_transport = "compressed";  ///< compressed (JPEG) or raw (rgb8)
+  bool quantities = false;                     ///< beside each image one of classes and one of temperatures
 
   int beams = 48;
   int azimuths = 1250;         ///< firings a revolution
@@ -91,6 +92,7 @@ void visitOptions(Options_& o, F&& f) {
   f("jpeg-quality", o.jpeg_quality, Range{1, 100}, "1 to 100");
   f("readout", o.readout, Range{0.0, 0.1}, "s from the first row of an image to the last, of a rolling shutter");
   f("image-transport", o.image_transport, Range{}, "compressed or raw");
+  f("quantities", o.quantities, Range{}, "beside each image one of classes (labels) and one of temperatures (thermal)");
   f("beams", o.beams, Range{1, 256}, "of the LiDAR");
   f("azimuths", o.azimuths, Range{1, 10000}, "firings a revolution of the LiDAR");
   f("lidar-range", o.lidar_range, Range{1.0, 500.0}, "m, the farthest return");

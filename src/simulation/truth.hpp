@@ -66,7 +66,9 @@ std::vector<PointTruth> trueVisibility(const Scene& scene, const Eigen::Matrix3X
 /// Returns of the LiDAR without noise on what stands, one a voxel (the first one), with true colours.
 class TruthCloud {
  public:
-  explicit TruthCloud(double voxel_size) : voxel_size_(voxel_size) {}
+  /// `with_quantities`: also label (uchar) and temperature (float).
+  explicit TruthCloud(double voxel_size, bool with_quantities = false)
+      : voxel_size_(voxel_size), with_quantities_(with_quantities) {}
   void add(const Scene& scene, const std::vector<Return>& returns);
   std::size_t size() const { return colors_.size() / 3; }
 
@@ -75,9 +77,10 @@ class TruthCloud {
 
  private:
   double voxel_size_;
+  bool with_quantities_;
   std::unordered_set<std::uint64_t> taken_;
   std::vector<Eigen::Vector3d> positions_;
-  std::vector<std::uint8_t> colors_;
+  std::vector<std::uint8_t> colors_, labels_;
 };
 
 /// truth_poses.csv: camera, frame, stamp, gains, map_from_camera of every image. Throws std::runtime_error.

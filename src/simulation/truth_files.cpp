@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "base/file_io.hpp"
+#include "simulation/quantities.hpp"
 #include "simulation/random.hpp"
 #include "simulation/truth.hpp"
 
@@ -44,6 +45,7 @@ void TruthCloud::add(const Scene& scene, const std::vector<Return>& returns) {
     positions_.push_back(r.truth.point);
     const Color color = scene.trueColor(r.truth);
     for (int c = 0; c < 3; ++c) colors_.push_back(static_cast<std::uint8_t>(std::lround(color[c])));
+    labels_.push_back(classOf(scene.solids()[static_cast<std::size_t>(r.truth.solid)]));
   }
 }
 
@@ -51,12 +53,17 @@ void TruthCloud::write(const std::string& path) const {
   std::ostringstream header;
   header << "ply\nformat binary_little_endian 1.0\ncomment true surface points and colours\nelement vertex " << size()
          << "\nproperty double x\nproperty double y\nproperty double z\n"
-         << "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+         << "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+         << (with_quantities_ ? "property uchar label\nproperty float temperature\n" : "") << "end_header\n";
   AtomicFile file(path);
   file.append(header.str().data(), header.str().size());
   for (std::size_t i = 0; i < positions_.size(); ++i) {
     file.append(positions_[i].data(), 24);
     file.append(&colors_[3 * i], 3);
+    if (!with_quantities_) continue;
+    const auto temperature = static_cast<float>(temperatureAt(positions_[i]));
+    file.append(&labels_[i], 1);
+    file.append(&temperature, sizeof temperature);
   }
   file.commit(false);
 }

@@ -146,6 +146,19 @@ TEST_F(BagTest, RigFileIsRead) {
   EXPECT_TRUE(rig.cameras[0].params.rectified);
 }
 
+TEST_F(BagTest, ARigFileTellsWhatACameraShows) {
+  const TopicTypes topics = {{"/points", kCloud}, {"/t/image", kImage}, {"/t/camera_info", kInfo}};
+  const Rig rig = readRig(write("rig.yaml",
+                                "cloud_in: /points\ncameras:\n"
+                                "  - {image: /t/image, kind: radiometric, scale: 0.01, offset: -273.15}\n"
+                                "  - {image: /t/image, kind: labels, quantity: class, names: classes.txt}\n"),
+                          topics);
+  EXPECT_EQ(rig.cameras.at(0).params.toldQuantity().name, "temperature");
+  EXPECT_EQ(rig.cameras[0].params.offset, -273.15);
+  EXPECT_EQ(rig.cameras.at(1).params.toldQuantity().name, "class");
+  EXPECT_EQ(rig.cameras[1].params.names, scratch_ / "classes.txt");
+}
+
 TEST_F(BagTest, MistakesInARigFileAreNamed) {
   const TopicTypes topics = {{"/points", kCloud}, {"/c/image", kImage}, {"/c/camera_info", kInfo}};
   const auto error = [&](const std::string& text) {
@@ -153,6 +166,7 @@ TEST_F(BagTest, MistakesInARigFileAreNamed) {
   };
   EXPECT_TRUE(contains(error("cloud_in: /points\ncamera: []\n"), "unknown key camera"));
   EXPECT_TRUE(contains(error("cloud_in: /points\ncameras: [{image: /c/image, offset: 1}]\n"), "unknown key offset"));
+  EXPECT_TRUE(contains(error("cloud_in: /points\ncameras: [{image: /c/image, kind: thermal}]\n"), "radiometric"));
   EXPECT_TRUE(contains(error("cloud_in: /lidar\ncameras: []\n"), "no topic /lidar"));
   EXPECT_TRUE(contains(error("cloud_in: /c/image\ncameras: []\n"), "is a sensor_msgs/Image"));
   EXPECT_TRUE(contains(error("cameras: []\n"), "cloud_in"));

@@ -119,6 +119,45 @@ class CollectorTest : public testing::Test {
   std::vector<std::string> log_;
 };
 
+TEST_F(CollectorTest, WhatShowsNoColoursIsKeptNumberByNumber) {
+  params_.cameras.resize(3);
+  params_.cameras[0].kind = params_.cameras[1].kind = ImageKind::kRadiometric;
+  params_.cameras[2].kind = ImageKind::kLabels;
+  params_.cameras[0].scale = 0.5;
+  drive(10, 14);
+  for (std::size_t camera = 0; camera < 3; ++camera) addInfo(camera);
+  sensor_msgs::Image counts = imageMessage("16UC1", 8, 6, {0});
+  counts.step = 16;
+  counts.data.assign(96, 1);
+  addImage(10.5, counts, 0);
+  sensor_msgs::Image degrees = counts;
+  degrees.encoding = "32FC1";
+  degrees.step = 32;
+  degrees.data.assign(192, 0);
+  const float value = 36.6F;
+  std::memcpy(degrees.data.data(), &value, 4);
+  addImage(10.5, degrees, 1);
+  addImage(10.5, imageMessage("mono8", 8, 6, {5, 9}), 2);
+  addImage(11.5, imageMessage("rgb8", 8, 6, {5, 9}), 2);
+  collector().finish();
+  const Recording recording = recorder_->snapshot();
+  ASSERT_EQ(recording.views().size(), 3U);
+  EXPECT_EQ(recording.quantities().size(), 2U);
+  for (std::size_t v = 0; v < 3; ++v) {
+    const cv::Mat image = recording.readPixels(v).image;
+    if (image.type() == CV_16UC1) {
+      EXPECT_EQ(image.at<std::uint16_t>(3, 3), 257);  // not stretched to 16 bits
+    } else if (image.type() == CV_32FC1) {
+      EXPECT_EQ(image.at<float>(0, 0), value);
+    } else {
+      EXPECT_EQ(image.at<std::uint8_t>(0, 1), 9);
+    }
+    EXPECT_EQ(image.channels(), 1);
+  }
+  EXPECT_EQ(collector().stats().cameras[2].count(Outcome::kUndecodable), 1U);
+  EXPECT_NE(collector().stats().cameras[2].last_error.find("rgb8"), std::string::npos);
+}
+
 TEST_F(CollectorTest, NothingReceivedGivesAnEmptyRecording) {
   const Recording recording = finished();
   EXPECT_EQ(recording.numPoints(), 0U);

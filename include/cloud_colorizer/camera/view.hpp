@@ -18,6 +18,26 @@
 
 namespace cloud_colorizer {
 
+/// What the numbers of a camera's images are: colours; a quantity that was measured, such as a temperature; numbers
+/// that stand for classes; a score of each class, one a channel.
+enum class ImageKind { kColor, kRadiometric, kLabels, kLogits };
+std::vector<std::string> enumNames(ImageKind);  ///< color, radiometric, labels, logits
+
+/// What the images of a camera tell of a point.
+struct Quantity {
+  ImageKind kind = ImageKind::kColor;
+  std::string name;              ///< of its field in the map; empty for colours
+  double scale = 1, offset = 0;  ///< radiometric: value = scale * number + offset
+  std::string names;             ///< labels, logits: a file that tells what the numbers mean; empty: none
+
+  /// Throws std::invalid_argument: a name that no field can have, a scale that is 0 or not finite.
+  void check() const;
+};
+/// Whether two cameras tell of the same: their views are fused.
+inline bool isSame(const Quantity& a, const Quantity& b) {
+  return a.kind == b.kind && a.name == b.name;
+}
+
 struct View {
   std::uint32_t camera = 0;  ///< index into the recording's cameras
   double stamp = 0;          ///< s, of the image, after the camera's time offset

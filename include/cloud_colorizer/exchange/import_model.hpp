@@ -14,10 +14,14 @@
 namespace cloud_colorizer {
 
 struct ModelFiles {
-  std::string cloud;   ///< .ply, .pcd or .las
-  std::string images;  ///< folder
-  std::string model;   ///< folder of a COLMAP model, see readColmapModel()
-  std::string masks;   ///< folder of images that are black where NAME.png masks the image NAME; empty: none
+  std::string cloud;       ///< .ply, .pcd or .las
+  std::string images;      ///< folder
+  std::string model;       ///< folder of a COLMAP model, see readColmapModel()
+  std::string masks;       ///< folder of images that are black where NAME.png masks the image NAME; empty: none
+  Quantity quantity = {};  ///< that the images show
+  std::string labels =
+      {};  ///< folder of images of classes, NAME.png or NAME.npy (scores) of the image NAME; empty: none
+  std::string names = {};  ///< file that tells what the classes are; empty: none
 };
 
 /// Makes the recording in `directory`, which must not hold one already. `voxel_size` thins as usual; ranges do not

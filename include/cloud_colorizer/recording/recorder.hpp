@@ -49,8 +49,9 @@ class Recorder {
   /// Of the map frame: well-known text or "EPSG:25832". It is only kept, for who reads the recording.
   void setCrs(const std::string& crs);
 
-  /// Adds or finds the camera. One name may get new intrinsics later: views then refer to a new entry.
-  std::uint32_t setCamera(const std::string& name, const Intrinsics& intrinsics);
+  /// Adds or finds the camera. One name may get new intrinsics later: views then refer to a new entry. A file of names
+  /// is copied.
+  std::uint32_t setCamera(const std::string& name, const Intrinsics& intrinsics, const Quantity& quantity = {});
   void setMask(std::uint32_t camera, const cv::Mat1b& mask);
 
   struct InsertCounts {

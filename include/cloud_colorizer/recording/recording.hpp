@@ -34,12 +34,13 @@ namespace cloud_colorizer {
 struct RecordedCamera {
   std::string name;  ///< "camera_0"; also the folder of its images
   Intrinsics intrinsics;
-  std::string mask;  ///< file relative to the recording, CV_8UC1, 0 = do not use; empty: none
+  std::string mask;   ///< file relative to the recording, CV_8UC1, 0 = do not use; empty: none
+  Quantity quantity;  ///< its names are a file relative to the recording
 };
 
 /// What a view shows, and which of it can be used.
 struct ViewPixels {
-  cv::Mat image;  ///< CV_8UC3, RGB; grey images become grey RGB
+  cv::Mat image;  ///< CV_8UC3, RGB; grey images become grey RGB. Of what are no colours, see shownValues()
   cv::Mat mask;   ///< CV_8UC1, 0 = do not use; empty: all can be used
 };
 
@@ -83,6 +84,10 @@ class Recording {
   std::vector<std::uint8_t> readRecords(std::size_t tile) const;  ///< packed records of fields()
   /// The mask is that of the camera, of the view, and of the image's alpha together. Throws when one is undecodable.
   ViewPixels readPixels(std::size_t view) const;
+  const Quantity& quantityOf(std::size_t view) const;
+  bool hasColors() const;  ///< whether any camera shows colours
+  /// All but colours, each once, in the order of the cameras.
+  std::vector<Quantity> quantities() const;
   cv::Mat readMask(std::size_t camera) const;  ///< CV_8UC1, or empty when the camera has none
   cv::Mat1w readScan(std::size_t scan) const;  ///< of makeRangePanorama()
 

@@ -39,7 +39,12 @@ struct CameraParams {
   /// Of images with 16 bits a channel: how many the camera fills; 0: as few of 10, 12, 14 and 16 as hold its first
   /// image.
   int bits = 0;
+  ImageKind kind = ImageKind::kColor;
+  std::string quantity;          ///< field of the map that the numbers give; empty: temperature, or label
+  double scale = 1, offset = 0;  ///< radiometric: value = scale * number + offset
+  std::string names;             ///< labels, logits: file that tells what the numbers mean, kept beside the map
 
+  Quantity toldQuantity() const;
   bool isPanorama() const { return model == "equirectangular"; }
 };
 

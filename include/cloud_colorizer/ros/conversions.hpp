@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "cloud_colorizer/camera/camera.hpp"
+#include "cloud_colorizer/camera/view.hpp"
 #include "cloud_colorizer/cloud/cloud.hpp"
 
 namespace cloud_colorizer {
@@ -45,12 +46,16 @@ struct EncodedInfo {
   int depth = 8;           ///< bits a channel
   bool is_mosaic = false;  ///< one channel of a Bayer pattern, as the message's format says
 };
-/// Looks at the headers and at the end of a JPEG or PNG (not at the pixels). Throws: another format, truncated, or what
-/// is no image of colours (depths).
-EncodedInfo inspectCompressed(const sensor_msgs::CompressedImage& message);
+/// Looks at the headers and at the end of a JPEG or PNG (not at the pixels). Throws: another format, truncated, or,
+/// where colours are asked for, what has none (depths).
+EncodedInfo inspectCompressed(const sensor_msgs::CompressedImage& message, ImageKind kind = ImageKind::kColor);
 
 /// Throws when the encoding is unknown or the data is shorter than height * step. Costs nothing.
-void checkImage(const sensor_msgs::Image& message);
+void checkImage(const sensor_msgs::Image& message, ImageKind kind = ImageKind::kColor);
+
+/// The numbers of an image that shows no colours, as they are: mono, 8UC(k), 16UC(k) or 32FC(k). Throws on another
+/// encoding.
+cv::Mat valuesFromMessage(const sensor_msgs::Image& message, ImageKind kind);
 
 /// CV_8UC1, CV_16UC1 or CV_8UC3 (BGR). May share the message's data. The colours that cv_bridge knows (mono, rgb, rgba,
 /// bgr, bgra, bayer_* of 8 or 16 bits, yuv422), 8UC1, 8UC3, 8UC4, 16UC3, 16UC4 in OpenCV's order, and what newer

@@ -60,6 +60,14 @@ void visitCollectorParams(CollectorParamsT& p, F&& f) {
       "s from the first row of an image, at its stamp, to its last: of a rolling shutter");
     f((prefix + "bits").c_str(), camera.bits,
       "that the camera fills of 16 bits a channel; 0: as the first image tells");
+    f((prefix + "kind").c_str(), camera.kind,
+      "color, radiometric (a temperature, say), labels (the class of each pixel) or logits (a score of each class)");
+    f((prefix + "quantity").c_str(), camera.quantity,
+      "field of the map that other kinds than color give; empty: temperature or label");
+    f((prefix + "scale").c_str(), camera.scale, "radiometric: value = scale * number + offset");
+    f((prefix + "offset").c_str(), camera.offset, "likewise");
+    f((prefix + "names").c_str(), camera.names,
+      "labels, logits: a file that tells what the classes are, kept beside the map");
   }
 }
 

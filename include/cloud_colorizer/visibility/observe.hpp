@@ -35,7 +35,8 @@ struct ObservedView {
   std::shared_ptr<const cv::Mat> mask;  ///< CV_8UC1, size of the image, 0 = do not use; may be null
   std::shared_ptr<const DepthImage> depth;
   Exposure exposure;
-  float weight = 1;  ///< 0 to 1, of all its observations
+  float weight = 1;                    ///< 0 to 1, of all its observations
+  ImageKind kind = ImageKind::kColor;  ///< of labels the nearest pixel counts; only colours are ever too bright
 };
 
 /// Compressed rows: the observations of point p are [offsets[p], offsets[p + 1]), by ascending view id.

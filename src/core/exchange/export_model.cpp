@@ -67,6 +67,7 @@ std::vector<std::string> writeUndistorted(const Recording& recording, const std:
   std::vector<std::string> written(views.size());
   ProgressMeter progress(callbacks, "undistort", views.size());
   for (std::size_t v = 0; v < views.size(); ++v, progress.add(1)) {
+    if (names[v].empty()) continue;
     cv::Mat image;
     try {
       image = recording.readPixels(v).image;
@@ -97,6 +98,10 @@ void exportModel(const Recording& recording, const Params& params, const std::st
                                  views.size(), " views");
   if (names.empty()) {
     for (const View& view : views) names.push_back(imageName(view.image));
+  }
+  require(recording.hasColors() || !images.undistort, "there are no images of colours to undistort");
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    if (recording.hasColors() && recording.quantityOf(v).kind != ImageKind::kColor) names[v].clear();
   }
   if (images.undistort) names = writeUndistorted(recording, directory, names, callbacks);
   std::vector<Eigen::Isometry3d> poses = usedPoses(recording, params);

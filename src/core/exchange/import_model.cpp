@@ -16,6 +16,7 @@
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "cloud_colorizer/exchange/colmap.hpp"
+#include "exchange/import_labels.hpp"
 #include "exchange/model_check.hpp"
 #include "exchange/photos.hpp"
 
@@ -75,7 +76,8 @@ void importCloud(const std::string& path, const Extent& extent, Recorder& record
 using CameraIds = std::vector<std::uint32_t>;  // one, or of each face of a panorama
 
 /// Of the cameras of the model, for each size that their photos have. Returns those of each image.
-std::vector<CameraIds> setCameras(const ColmapModel& model, const std::vector<Photo>& photos, Recorder& recorder) {
+std::vector<CameraIds> setCameras(const ColmapModel& model, const Quantity& quantity, const std::vector<Photo>& photos,
+                                  Recorder& recorder) {
   using Key = std::tuple<std::size_t, int, int>;  // camera, width, height
   std::map<Key, CameraIds> ids;
   std::vector<CameraIds> cameras;
@@ -85,11 +87,12 @@ std::vector<CameraIds> setCameras(const ColmapModel& model, const std::vector<Ph
     CameraIds& own = ids[{camera, size.width, size.height}];
     const std::string name = "camera_" + std::to_string(camera);
     if (own.empty() && isPanorama(model.cameras[camera])) {
+      require(quantity.kind == ImageKind::kColor, "panoramas can only show colours");
       for (const PanoramaFace& face : panoramaFaces(size.width)) {
         own.push_back(recorder.setCamera(name + '_' + face.name, face.intrinsics));
       }
     } else if (own.empty()) {
-      own.push_back(recorder.setCamera(name, scaledTo(model.cameras[camera], size)));
+      own.push_back(recorder.setCamera(name, scaledTo(model.cameras[camera], size), quantity));
     }
     cameras.push_back(own);
   }
@@ -119,10 +122,10 @@ void importPanorama(const Photo& photo, double stamp, const Eigen::Isometry3d& m
   }
 }
 
-void importViews(const ColmapModel& model, const std::vector<Photo>& photos, Recorder& recorder,
-                 const Callbacks& callbacks) {
+void importViews(const ColmapModel& model, const Quantity& quantity, const std::vector<Photo>& photos,
+                 Recorder& recorder, const Callbacks& callbacks) {
   ProgressMeter progress(callbacks, "import images", photos.size());
-  const std::vector<CameraIds> cameras = setCameras(model, photos, recorder);
+  const std::vector<CameraIds> cameras = setCameras(model, quantity, photos, recorder);
   for (std::size_t i = 0; i < photos.size(); ++i) {
     const Eigen::Isometry3d& pose = model.images[i].map_from_camera;
     const auto stamp = static_cast<double>(i);  // a model has no times; the order of the images stands for it
@@ -173,7 +176,8 @@ Recording importModel(const ModelFiles& files, const std::string& directory, con
 
   Recorder recorder(directory, "map", adapted);
   importCloud(files.cloud, extent, recorder, callbacks);
-  importViews(model, photos, recorder, callbacks);
+  importViews(model, files.quantity, photos, recorder, callbacks);
+  importLabels(files, model, photos, recorder, callbacks);
   return recorder.snapshot();
 }
 

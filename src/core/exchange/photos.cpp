@@ -46,24 +46,6 @@ bool isTurnedByExif(const std::string& path) {
   return applied.size() != ignored.size() || (!applied.empty() && cv::norm(applied, ignored, cv::NORM_INF) > 0);
 }
 
-/// What is said of many files at once: the first one's name, and how many there are.
-class Notice {
- public:
-  void add(const std::string& name) {
-    if (count_++ == 0) first_ = name;
-  }
-  void log(const Callbacks& callbacks, LogLevel level, const std::string& text) const {
-    if (count_ == 0 || !callbacks.log) return;
-    const std::string others = count_ > 1 ? " (and " + std::to_string(count_ - 1) + " more)" : "";
-    callbacks.log(level, first_ + others + ": " + text);
-  }
-  std::size_t count() const { return count_; }
-
- private:
-  std::string first_;
-  std::size_t count_ = 0;
-};
-
 struct Look {
   cv::Size size;
   int bits = 0;            ///< that are filled of 16 a channel; 0: it has 8
@@ -90,22 +72,13 @@ cv::Size usedSize(const Look& look, const Intrinsics& camera, const std::string&
   return fits ? look.size : turned(look.size);
 }
 
-/// COLMAP calls the mask of a/b.jpg a/b.jpg.png; others a/b.png.
-std::string findMask(const std::string& folder, const std::string& name) {
-  const fs::path path = fs::path(folder) / name;
-  for (const fs::path& candidate : {fs::path(path.string() + ".png"), fs::path(path).replace_extension(".png")}) {
-    if (fs::is_regular_file(candidate)) return candidate.string();
-  }
-  return {};
-}
-
 void setMasks(const std::string& folder, const ColmapModel& model, std::vector<Photo>& photos,
               const Callbacks& callbacks) {
   if (folder.empty()) return;
   require(fs::is_directory(folder), "masks directory ", folder, " does not exist");
   Notice missing;
   for (std::size_t i = 0; i < photos.size(); ++i) {
-    const std::string path = findMask(folder, model.images[i].name);
+    const std::string path = findBeside(folder, model.images[i].name, {".png"});
     if (path.empty()) missing.add(model.images[i].name);
     photos[i].setMask(path);
   }
@@ -155,6 +128,17 @@ void logSizes(const ColmapModel& model, const std::vector<Look>& looks, const st
 }
 
 }  // namespace
+
+std::string findBeside(const std::string& folder, const std::string& name, const std::vector<std::string>& extensions) {
+  const fs::path path = fs::path(folder) / name;
+  for (const std::string& extension : extensions) {
+    for (const fs::path& candidate :
+         {fs::path(path.string() + extension), fs::path(path).replace_extension(extension)}) {
+      if (fs::is_regular_file(candidate)) return candidate.string();
+    }
+  }
+  return {};
+}
 
 EncodedImage Photo::encoded() const {
   if (bits_ < 16) {
@@ -212,7 +196,7 @@ std::vector<Photo> checkPhotos(const ModelFiles& files, const ColmapModel& model
     photos.emplace_back(paths[i], usedSize(looks[i], model.cameras[image.camera], image.name, files.images));
   }
   setMasks(files.masks, model, photos, callbacks);
-  setBits(model, looks, photos, callbacks);
+  if (files.quantity.kind == ImageKind::kColor) setBits(model, looks, photos, callbacks);
   logSizes(model, looks, photos, callbacks);
   return photos;
 }

@@ -45,4 +45,26 @@ std::vector<Photo> checkPhotos(const ModelFiles& files, const ColmapModel& model
 /// Of photos that are larger or smaller than the model says by the same factor on both sides.
 Intrinsics scaledTo(const Intrinsics& camera, cv::Size size);
 
+/// The file in `folder` that belongs to the image `name`. COLMAP calls that of a/b.jpg a/b.jpg.png; others a/b.png.
+/// Empty where there is none.
+std::string findBeside(const std::string& folder, const std::string& name, const std::vector<std::string>& extensions);
+
+/// What is said of many files at once: the first one's name, and how many there are.
+class Notice {
+ public:
+  void add(const std::string& name) {
+    if (count_++ == 0) first_ = name;
+  }
+  void log(const Callbacks& callbacks, LogLevel level, const std::string& text) const {
+    if (count_ == 0 || !callbacks.log) return;
+    const std::string others = count_ > 1 ? " (and " + std::to_string(count_ - 1) + " more)" : "";
+    callbacks.log(level, first_ + others + ": " + text);
+  }
+  std::size_t count() const { return count_; }
+
+ private:
+  std::string first_;
+  std::size_t count_ = 0;
+};
+
 }  // namespace cloud_colorizer

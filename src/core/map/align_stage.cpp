@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The cloud_colorizer authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/file_io.hpp"
@@ -29,7 +30,7 @@ struct MapSample {
 /// The same points whatever the chunks and threads: a hash of the position decides.
 MapSample samplePoints(Workspace& work, const Callbacks& callbacks) {
   const Recording& recording = work.recording();
-  const std::size_t num_views = work.usableViews().size();
+  const std::size_t num_views = work.colorViews().size();
   const AlignmentParams& params = work.params().alignment;
   const double of_view =
       std::min(params.alignment_points / kViewsPerPoint, static_cast<double>(params.pointsPerView(num_views)));
@@ -58,13 +59,12 @@ MapSample samplePoints(Workspace& work, const Callbacks& callbacks) {
   return sample;
 }
 
-AlignmentInput makeInput(Workspace& work, const Callbacks& callbacks) {
+/// `views`: those that take part.
+AlignmentInput makeInput(Workspace& work, const std::vector<std::size_t>& views, const Callbacks& callbacks) {
   const Recording& recording = work.recording();
   MapSample sample = samplePoints(work, callbacks);
   AlignmentInput input;
   for (const auto& camera : recording.cameras()) input.cameras.emplace_back(camera.intrinsics);
-  // The others are left out before, and have no part in anything.
-  const std::vector<std::size_t>& views = work.usableViews();
   for (const std::size_t view : views) input.views.push_back(recording.views()[view]);
   input.images = [&work, &views](std::size_t k) { return work.image(views[k]); };
   input.masks = [&work, &views](std::size_t k) { return work.mask(views[k]); };
@@ -96,18 +96,35 @@ void writeReport(const DerivedFiles& files, const std::vector<View>& views, cons
   write("report.png", png);
 }
 
+/// An image of labels or scores is made from one of colours: what is found of the pose of that holds for both.
+void takePosesOfTwins(const Recording& recording, const std::vector<std::size_t>& aligned,
+                      std::vector<CorrectedView>& corrected) {
+  std::map<double, std::vector<std::size_t>> by_stamp;
+  for (const std::size_t view : aligned) by_stamp[recording.views()[view].stamp].push_back(view);
+  for (std::size_t k = 0; k < corrected.size(); ++k) {
+    const View& view = recording.views()[k];
+    if (recording.quantityOf(k).kind == ImageKind::kColor) continue;
+    for (const std::size_t twin : by_stamp[view.stamp]) {
+      const bool is_same = recording.views()[twin].map_from_camera.matrix() == view.map_from_camera.matrix();
+      if (is_same) corrected[k].map_from_camera = corrected[twin].map_from_camera;
+    }
+  }
+}
+
 void alignViews(Workspace& work, UnitRange units, const Callbacks& callbacks) {
   const DerivedFiles& files = work.files();
   if (units.size() == 0 || files.readCorrections()) return;
   const Callbacks turns = takingTurns(callbacks);
-  const AlignmentInput input = makeInput(work, turns);
+  const std::vector<std::size_t> views = work.colorViews();
+  const AlignmentInput input = makeInput(work, views, turns);
   const AlignmentResult result = align(input, work.params().alignment, turns);
   std::vector<CorrectedView> corrected = work.corrections();
   for (std::size_t k = 0; k < result.views.size(); ++k) {
     const ViewAlignment& view = result.views[k];
-    corrected[work.usableViews()[k]] = {view.map_from_camera, view.exposure, view.weight};
+    corrected[views[k]] = {view.map_from_camera, view.exposure, view.weight};
   }
-  writeReport(files, input.views, work.usableViews(), result);
+  takePosesOfTwins(work.recording(), views, corrected);
+  writeReport(files, input.views, views, result);
   files.writeCorrections(corrected);
   if (callbacks.log) {
     callbacks.log(LogLevel::kInfo, describe(result));
@@ -128,8 +145,8 @@ Stage alignmentStage() {
           kAlignmentFolder,
           {"images", "moving", "surfels"},
           [](const Workspace& work) {
-            const auto num_views = static_cast<double>(work.usableViews().size());
-            return work.params().aligns() ? std::vector<double>{num_views} : std::vector<double>{};
+            const auto num_views = static_cast<double>(work.colorViews().size());
+            return work.params().aligns() && num_views > 0 ? std::vector<double>{num_views} : std::vector<double>{};
           },
           [](const Workspace& work) { return alignmentKey(work.recording(), work.params(), work.damagedViews()); },
           [](const Workspace&) { return UnitFiles{{kCorrectionsFile}}; },

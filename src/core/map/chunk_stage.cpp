@@ -13,6 +13,7 @@
 #include "map/fingerprint.hpp"
 #include "map/memory_budget.hpp"
 #include "map/memory_plan.hpp"
+#include "map/quantities.hpp"
 #include "map/stages.hpp"
 
 namespace cloud_colorizer {
@@ -102,8 +103,9 @@ SightPlace sightPlace(const Workspace& work, std::uint32_t view, const Eigen::Ve
 }
 
 TileColors gatherColors(const Fused& colors, const std::vector<Unseen>& unseen, const NearestViews& nearest,
-                        const std::vector<Index>& columns) {
-  TileColors tile{gatherColumns(colors.values, columns).cwiseMax(0.F), {}, {}, {}, {}, {}};
+                        const Values& quantities, const std::vector<Index>& columns) {
+  TileColors tile{gatherColumns(colors.values, columns).cwiseMax(0.F), {}, {}, {}, {}, {}, {}};
+  if (quantities.rows() > 0) tile.quantities = gatherColumns(quantities, columns);
   for (const Index k : columns) {
     tile.count.push_back(static_cast<std::uint16_t>(std::min(colors.count[k], 65535)));
     tile.stddev.push_back(colors.stddev[k]);
@@ -115,8 +117,8 @@ TileColors gatherColors(const Fused& colors, const std::vector<Unseen>& unseen, 
 }
 
 /// The views of a chunk: of good ones that come first, the others are found worse at a glance.
-std::vector<std::size_t> nearestFirst(const Workspace& work, const Chunk& chunk) {
-  std::vector<std::size_t> views = work.viewsOf(chunk.box_with_halo);
+std::vector<std::size_t> nearestFirst(const Workspace& work, const Chunk& chunk, const Quantity& quantity = {}) {
+  std::vector<std::size_t> views = work.viewsOf(chunk.box_with_halo, quantity);
   const Eigen::Vector3d center = chunk.box_with_halo.center().cast<double>();
   const auto distance = [&](std::size_t view) {
     return (work.corrections()[view].map_from_camera.translation() - center).squaredNorm();
@@ -150,8 +152,14 @@ void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid) {
                              params.system);
   // Without a view nothing tells the number of channels.
   if (views.empty()) colors.values = Values::Zero(3, surface.size());
+  const SeenQuantities quantities =
+      seeQuantities(work, surface, grid, [&](const Quantity& quantity) { return nearestFirst(work, chunk, quantity); });
+  if (!work.recording().hasColors()) {
+    seen.unseen = quantities.unseen;
+    colors.count = quantities.count;
+  }
   for (std::size_t i = 0; i < core_columns.size(); ++i) {
-    const TileColors tile = gatherColors(colors, seen.unseen, nearest, core_columns[i]);
+    const TileColors tile = gatherColors(colors, seen.unseen, nearest, quantities.fields, core_columns[i]);
     addPeaks(gatherColumns(surface.points, core_columns[i]), tile.values, cell, of_views[i].tone);
     work.files().writeColors(chunk.core_tiles[i], tile, of_views[i]);
   }

@@ -105,6 +105,21 @@ void removeOldFiles(const std::string& directory, const std::string& list, const
 
 }  // namespace
 
+namespace {
+
+/// What the classes of the map are stands beside it: map.label.txt of map.ply.
+void copyNames(const Recording& recording, const std::string& path) {
+  namespace fs = std::filesystem;
+  for (const Quantity& quantity : recording.quantities()) {
+    if (quantity.names.empty()) continue;
+    const std::vector<std::uint8_t> bytes = readFile(recording.directory() + '/' + quantity.names);
+    const std::string extension = '.' + quantity.name + fs::path(quantity.names).extension().string();
+    writeFileAtomically(fs::path(path).replace_extension(extension).string(), bytes.data(), bytes.size());
+  }
+}
+
+}  // namespace
+
 std::size_t saveColored(const Recording& recording, const Params& params, const std::string& path,
                         const Callbacks& callbacks) {
   CloudWriter::checkPath(path);
@@ -113,6 +128,7 @@ std::size_t saveColored(const Recording& recording, const Params& params, const 
   const std::size_t num_points = writer.countPoints(tiles);
   ProgressMeter progress(callbacks, "save", num_points);
   writer.save(tiles, num_points, path, progress);
+  copyNames(recording, path);
   return num_points;
 }
 

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "cloud_colorizer/base/check.hpp"
+#include "color/quantity.hpp"
 #include "map/fill.hpp"
 #include "map/fingerprint.hpp"
 #include "map/stages.hpp"
@@ -30,20 +31,31 @@ const std::vector<Field> kRadianceFields = {{"radiance_red", FieldType::kFloat32
 /// Appended where it is known: 0 to 255, from 128 on something that moved.
 const Field kMovingField = {"moving", FieldType::kUint8, 1};
 
-/// Names that our files give a meaning to.
-bool isOurs(const std::string& name) {
-  static const std::set<std::string> kOurs = {"rgb",           "red",          "green",        "blue",
-                                              "view_count",    "color_stddev", "radiance_red", "radiance_green",
-                                              "radiance_blue", "moving"};
-  return kOurs.count(name) != 0;
-}
-
 bool marksMoving(const Recording& recording, const Params& params) {
   return params.colorize.moving == Moving::kMark && findsMoving(recording, params);
 }
 
+/// Beside the colours.
+std::vector<Field> quantityFields(const Recording& recording) {
+  std::vector<Field> all;
+  for (const Quantity& quantity : recording.quantities()) {
+    const std::vector<Field> fields = fieldsOf(quantity);
+    all.insert(all.end(), fields.begin(), fields.end());
+  }
+  return all;
+}
+
+/// Names that our files give a meaning to.
+bool isOurs(const Recording& recording, const std::string& name) {
+  static const std::set<std::string> kOurs = {"rgb",           "red",          "green",        "blue",
+                                              "view_count",    "color_stddev", "radiance_red", "radiance_green",
+                                              "radiance_blue", "moving"};
+  return kOurs.count(name) != 0 || findField(quantityFields(recording), name);
+}
+
 /// Of point i. rgb is 0x00RRGGBB, which rviz and PCL read as FLOAT32.
-std::uint8_t* writeColor(const ShownTile& tile, std::size_t i, std::uint8_t* out) {
+std::uint8_t* writeColor(const ShownTile& tile, const std::vector<Field>& quantities, std::size_t i,
+                         std::uint8_t* out) {
   const auto append = [&out](const void* data, std::size_t size) {
     out = std::copy_n(static_cast<const std::uint8_t*>(data), size, out);
   };
@@ -58,26 +70,36 @@ std::uint8_t* writeColor(const ShownTile& tile, std::size_t i, std::uint8_t* out
   append(&tile.colors.stddev[i], sizeof(tile.colors.stddev[i]));
   if (tile.radiance.cols() > 0) append(tile.radiance.col(column).data(), 3 * sizeof(float));
   if (!tile.moving.empty()) *out++ = tile.moving[i];
+  for (std::size_t row = 0; row < quantities.size(); ++row) {
+    const float value = tile.colors.quantities(static_cast<Index>(row), column);
+    if (quantities[row].type == FieldType::kUint16) {
+      const auto whole = static_cast<std::uint16_t>(std::min(value, 65535.F));
+      append(&whole, sizeof whole);
+    } else {
+      append(&value, sizeof value);
+    }
+  }
   return out;
 }
 
 /// The fields of a recording that go into its coloured map. Not the colours that an earlier run of this program gave a
 /// map which is coloured again: they are replaced.
-std::vector<Field> keptFields(const std::vector<Field>& fields) {
+std::vector<Field> keptFields(const Recording& recording) {
+  const std::vector<Field>& fields = recording.fields();
   if (!findField(fields, "view_count") || !findField(fields, "color_stddev")) return fields;
   std::vector<Field> kept;
   std::copy_if(fields.begin(), fields.end(), std::back_inserter(kept),
-               [](const Field& field) { return !isOurs(field.name); });
+               [&](const Field& field) { return !isOurs(recording, field.name); });
   return kept;
 }
 
 /// All fields of the coloured map.
 std::vector<Field> mapFields(const Recording& recording, bool with_radiance, bool with_moving) {
-  std::vector<Field> fields = keptFields(recording.fields());
+  std::vector<Field> fields = keptFields(recording);
   std::set<std::string> given;
   for (const Field& field : fields) given.insert(field.name);
   for (Field& field : fields) {
-    if (!isOurs(field.name) && field.name != "rgba") continue;
+    if (!isOurs(recording, field.name) && field.name != "rgba") continue;
     do field.name = "input_" + field.name;
     while (given.count(field.name) != 0);
     given.insert(field.name);
@@ -85,12 +107,14 @@ std::vector<Field> mapFields(const Recording& recording, bool with_radiance, boo
   fields.insert(fields.end(), kColorFields.begin(), kColorFields.end());
   if (with_radiance) fields.insert(fields.end(), kRadianceFields.begin(), kRadianceFields.end());
   if (with_moving) fields.push_back(kMovingField);
+  const std::vector<Field> quantities = quantityFields(recording);
+  fields.insert(fields.end(), quantities.begin(), quantities.end());
   return fields;
 }
 
 Cloud makeCloud(const Recording& recording, const ShownTile& saved, bool relative) {
   const std::vector<std::uint8_t> records = recording.readRecords(saved.tile);
-  const std::vector<Field> kept = keptFields(recording.fields());
+  const std::vector<Field> kept = keptFields(recording), quantities = quantityFields(recording);
   const RecordMap record_map(recording.fields(), kept);
   const std::size_t in_bytes = recordSize(recording.fields()), kept_bytes = recordSize(kept);
   const Eigen::Vector3d origin = relative ? Eigen::Vector3d::Zero() : recording.origin();
@@ -106,7 +130,7 @@ Cloud makeCloud(const Recording& recording, const ShownTile& saved, bool relativ
     if (!saved.keep[i]) continue;
     cloud.positions.col(next++) = saved.points.col(static_cast<Index>(i)).cast<double>() + origin;
     if (kept_bytes > 0) record_map.copy(records.data() + i * in_bytes, out);
-    out = writeColor(saved, i, out + kept_bytes);
+    out = writeColor(saved, quantities, i, out + kept_bytes);
   }
   return cloud;
 }

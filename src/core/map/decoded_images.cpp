@@ -63,7 +63,9 @@ void DecodedImages::prepareFolder() {
 
 DecodedImages::Decoded DecodedImages::load(std::size_t view) {
   std::call_once(prepared_, [this] { prepareFolder(); });
-  if (!on_disk_) return {recording_.readPixels(view), nullptr};
+  // The files are of three channels of 8 bits.
+  const bool is_color = recording_.quantityOf(view).kind == ImageKind::kColor;
+  if (!on_disk_ || !is_color) return {recording_.readPixels(view), nullptr};
   const std::string path = folder_ + '/' + sixDigits(view);
   if (!fs::exists(path)) {
     ViewPixels pixels = recording_.readPixels(view);

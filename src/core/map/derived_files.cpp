@@ -14,6 +14,7 @@
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
+#include "color/quantity.hpp"
 #include "map/blob.hpp"
 #include "recording/tile_file.hpp"
 
@@ -105,9 +106,16 @@ std::vector<std::uint8_t> DerivedFiles::readMoving(std::size_t tile) const {
   return shares;
 }
 
+std::size_t DerivedFiles::numQuantityFields() const {
+  std::size_t count = 0;
+  for (const Quantity& quantity : recording_.quantities()) count += fieldsOf(quantity).size();
+  return count;
+}
+
 bool DerivedFiles::hasColors(std::size_t tile) const {
   return readWholeBlob(tileFile(kColorsFolder, tile, kViewsExtension)).has_value() &&
-         isWholeBlob(tileFile(kColorsFolder, tile), kColorBytes * recording_.tiles()[tile].num_points);
+         isWholeBlob(tileFile(kColorsFolder, tile),
+                     (kColorBytes + numQuantityFields() * sizeof(float)) * recording_.tiles()[tile].num_points);
 }
 
 void DerivedFiles::writeColors(std::size_t tile, const TileColors& colors, const TileViews& of_views) const {
@@ -134,6 +142,7 @@ void DerivedFiles::writeColors(std::size_t tile, const TileColors& colors, const
   blob.add(colors.unseen);
   blob.add(colors.nearest);
   blob.add(colors.camera);
+  blob.add(colors.quantities);
   blob.save(tileFile(kColorsFolder, tile));
 }
 
@@ -144,7 +153,8 @@ TileColors DerivedFiles::readColors(std::size_t tile) const {
                     std::vector<float>(count),
                     std::vector<Unseen>(count),
                     std::vector<std::array<std::uint8_t, 3>>(count),
-                    std::vector<std::uint8_t>(count)};
+                    std::vector<std::uint8_t>(count),
+                    Values(static_cast<Eigen::Index>(numQuantityFields()), static_cast<Eigen::Index>(count))};
   BlobReader blob(tileFile(kColorsFolder, tile));
   blob.read(colors.values);
   blob.read(colors.count);
@@ -152,6 +162,7 @@ TileColors DerivedFiles::readColors(std::size_t tile) const {
   blob.read(colors.unseen);
   blob.read(colors.nearest);
   blob.read(colors.camera);
+  blob.read(colors.quantities);
   return colors;
 }
 

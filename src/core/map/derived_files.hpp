@@ -42,6 +42,7 @@ struct TileColors {
   std::vector<Unseen> unseen;        ///< why no view coloured the point
   std::vector<std::array<std::uint8_t, 3>> nearest;  ///< what the nearest view that sees it shows, in its own exposure
   std::vector<std::uint8_t> camera;                  ///< of that view, up to 255
+  Values quantities;  ///< a row for each field of the recording's quantities, a column a point; see fuseQuantity()
 };
 
 /// What the tiles of a chunk tell of their views.
@@ -122,6 +123,7 @@ class DerivedFiles {
   std::optional<ViewList> readDamagedViews(std::size_t block) const;  ///< nothing where the list is not whole
 
  private:
+  std::size_t numQuantityFields() const;
   std::string tileFile(const char* folder, std::size_t tile, const char* extension = ".bin") const {
     return pathOf(std::string(folder) + '/' + nameOfTile(tile, extension));
   }

@@ -62,6 +62,8 @@ std::string imagesKey(const Recording& recording, const ViewList& damaged) {
   for (const std::uint32_t view : damaged) hash.addValue(view);
   for (const auto& camera : recording.cameras()) {
     hash.add(camera.mask).addValue(std::filesystem::file_size(recording.directory() + "/" + camera.mask, error));
+    const Quantity& quantity = camera.quantity;
+    hash.addValue(quantity.kind).add(quantity.name).addValue(quantity.scale).addValue(quantity.offset);
   }
   return line("images and masks", hash.value());
 }

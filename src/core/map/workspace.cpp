@@ -3,6 +3,7 @@
 #include "map/workspace.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "map/fingerprint.hpp"
@@ -99,6 +100,12 @@ ObservedView Workspace::observedView(std::size_t view) {
   observed.map_from_camera = corrected.map_from_camera;
   observed.exposure = corrected.exposure;
   observed.weight = corrected.weight;
+  const Quantity& quantity = recording_.quantityOf(view);
+  observed.kind = quantity.kind;
+  if (quantity.kind == ImageKind::kRadiometric) {
+    observed.exposure.gain = Eigen::ArrayXf::Constant(1, static_cast<float>(quantity.scale));
+    observed.exposure.offset = Eigen::ArrayXf::Constant(1, static_cast<float>(quantity.offset));
+  }
   const auto pixels = images_.get(view);
   observed.image = imageOf(pixels);
   observed.mask = maskOf(pixels);
@@ -114,10 +121,17 @@ void Workspace::leaveOut(ViewList damaged) {
   }
 }
 
-std::vector<std::size_t> Workspace::viewsOf(const Eigen::AlignedBox3f& box) const {
+std::vector<std::size_t> Workspace::colorViews() const {
+  std::vector<std::size_t> views;
+  std::copy_if(usable_views_.begin(), usable_views_.end(), std::back_inserter(views),
+               [&](std::size_t view) { return recording_.quantityOf(view).kind == ImageKind::kColor; });
+  return views;
+}
+
+std::vector<std::size_t> Workspace::viewsOf(const Eigen::AlignedBox3f& box, const Quantity& quantity) const {
   std::vector<std::size_t> views;
   for (const std::size_t view : usable_views_) {
-    if (cones_[view].mayShow(box)) views.push_back(view);
+    if (isSame(recording_.quantityOf(view), quantity) && cones_[view].mayShow(box)) views.push_back(view);
   }
   return views;
 }

@@ -48,8 +48,10 @@ class Workspace {
   const std::vector<std::size_t>& usableViews() const { return usable_views_; }
   const ViewList& damagedViews() const { return damaged_views_; }
   void leaveOut(ViewList damaged);
-  /// All usable ones that may show a point in the box.
-  std::vector<std::size_t> viewsOf(const Eigen::AlignedBox3f& box) const;
+  /// Those of them that show colours.
+  std::vector<std::size_t> colorViews() const;
+  /// All usable ones of a quantity (of the default: colours) that may show a point in the box.
+  std::vector<std::size_t> viewsOf(const Eigen::AlignedBox3f& box, const Quantity& quantity = {}) const;
 
   /// Poses and exposures to use instead of the recording's, one a view.
   const std::vector<CorrectedView>& corrections() const { return corrections_; }

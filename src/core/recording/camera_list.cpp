@@ -36,7 +36,18 @@ void CameraList::write(std::vector<RecordedCamera> cameras) {
   cameras_ = std::move(cameras);
 }
 
-std::uint32_t CameraList::find(const std::string& name, const Intrinsics& intrinsics) {
+/// The file that tells what the labels mean, kept in the recording.
+std::string CameraList::copiedNames(const Quantity& quantity) const {
+  if (quantity.names.empty()) return {};
+  const std::vector<std::uint8_t> bytes = readFile(quantity.names);
+  makeFolder(directory_, "names");
+  const std::string copy = "names/" + quantity.name + std::filesystem::path(quantity.names).extension().string();
+  writeFileAtomically(directory_ + '/' + copy, bytes.data(), bytes.size());
+  return copy;
+}
+
+std::uint32_t CameraList::find(const std::string& name, const Intrinsics& intrinsics, const Quantity& quantity) {
+  quantity.check();
   require<std::invalid_argument>(isFileName(name), "camera name \"", name,
                                  "\" must be made of letters, digits, _, - and .");
   const Camera checked(intrinsics);
@@ -45,13 +56,16 @@ std::uint32_t CameraList::find(const std::string& name, const Intrinsics& intrin
     const auto found =
         std::find_if(cameras_.begin(), cameras_.end(), [&](const RecordedCamera& c) { return c.name == candidate; });
     if (found == cameras_.end()) break;
-    if (sameIntrinsics(found->intrinsics, intrinsics)) return static_cast<std::uint32_t>(found - cameras_.begin());
+    if (sameIntrinsics(found->intrinsics, intrinsics) && isSame(found->quantity, quantity)) {
+      return static_cast<std::uint32_t>(found - cameras_.begin());
+    }
     candidate = name + '_' + std::to_string(variant);
   }
   makeFolder(directory_, "images");
   makeFolder(directory_, "images/" + candidate);
   auto extended = cameras_;
-  extended.push_back({candidate, intrinsics, ""});
+  extended.push_back({candidate, intrinsics, "", quantity});
+  extended.back().quantity.names = copiedNames(quantity);
   write(std::move(extended));
   return static_cast<std::uint32_t>(cameras_.size() - 1);
 }

@@ -17,11 +17,13 @@ class CameraList {
   CameraList(const std::string& directory, std::vector<RecordedCamera> cameras);
 
   const std::vector<RecordedCamera>& cameras() const { return cameras_; }
-  std::uint32_t find(const std::string& name, const Intrinsics& intrinsics);  ///< or adds it; see Recorder::setCamera
+  /// Or adds it; see Recorder::setCamera.
+  std::uint32_t find(const std::string& name, const Intrinsics& intrinsics, const Quantity& quantity);
   void setMask(std::uint32_t camera, const cv::Mat1b& mask);
 
  private:
   void write(std::vector<RecordedCamera> cameras);
+  std::string copiedNames(const Quantity& quantity) const;
 
   std::string directory_;
   std::vector<RecordedCamera> cameras_;

@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "base/file_io.hpp"
+#include "camera/npy.hpp"
 #include "camera/pixels.hpp"
+#include "camera/values.hpp"
 #include "cloud_colorizer/base/check.hpp"
 
 namespace cloud_colorizer {
@@ -47,9 +49,25 @@ struct ImageFile {
     cv::Mat image = decode(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION);
     require(!image.empty(), "image ", path, " cannot be decoded: it is no image of a known format, or damaged");
     if (image.cols != intrinsics.width && image.cols == intrinsics.height) image = decode(bytes, flags);
+    requireSize(image, intrinsics);
+    return image;
+  }
+
+  /// As they are in the file.
+  cv::Mat decodeNumbers(const Intrinsics& intrinsics) const {
+    if (!isNpy(bytes)) return decodeAs(cv::IMREAD_UNCHANGED, intrinsics);
+    try {
+      const cv::Mat image = matOfNpy(bytes);
+      requireSize(image, intrinsics);
+      return image;
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error(path + ": " + error.what());
+    }
+  }
+
+  void requireSize(const cv::Mat& image, const Intrinsics& intrinsics) const {
     require(image.cols == intrinsics.width && image.rows == intrinsics.height, "image ", path, " is ", image.cols,
             " x ", image.rows, ", but its camera in cameras.yaml has ", intrinsics.width, " x ", intrinsics.height);
-    return image;
   }
 
   bool mayHaveAlpha() const {
@@ -69,8 +87,13 @@ cv::Mat decodeFile(const std::string& path, int flags) {
   return decode(readFile(path), flags);
 }
 
-ViewPixels decodePixels(const std::string& path, const Intrinsics& intrinsics) {
+ViewPixels decodePixels(const std::string& path, const Intrinsics& intrinsics, ImageKind kind) {
   const ImageFile file{path, readFile(path)};
+  if (kind != ImageKind::kColor) {
+    const cv::Mat numbers = file.decodeNumbers(intrinsics);
+    requireValues(numbers.type(), kind, "image " + path);
+    return {shownValues(numbers, kind), {}};
+  }
   ViewPixels pixels;
   if (file.mayHaveAlpha()) {
     const cv::Mat all = file.decodeAs(cv::IMREAD_UNCHANGED, intrinsics);

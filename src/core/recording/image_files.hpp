@@ -15,8 +15,9 @@ namespace cloud_colorizer {
 cv::Mat decodeFile(const std::string& path, int flags);
 
 /// Where the image is transparent, the mask is 0. The orientation of EXIF is applied only where the turned image has
-/// the size of its camera and the other one has not. Throws: undecodable, another size.
-ViewPixels decodePixels(const std::string& path, const Intrinsics& intrinsics);
+/// the size of its camera and the other one has not. Throws: undecodable, another size, and of what are no colours,
+/// what requireValues() throws.
+ViewPixels decodePixels(const std::string& path, const Intrinsics& intrinsics, ImageKind kind = ImageKind::kColor);
 cv::Mat decodeMask(const std::string& path, const Intrinsics& intrinsics);
 
 /// Throws std::invalid_argument where it has not the size of the camera, which `owner` names.

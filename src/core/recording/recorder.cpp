@@ -166,8 +166,8 @@ void Recorder::setCrs(const std::string& crs) {
   writeInfo(impl_->directory, impl_->info);
 }
 
-std::uint32_t Recorder::setCamera(const std::string& name, const Intrinsics& intrinsics) {
-  return impl_->cameras.find(name, intrinsics);
+std::uint32_t Recorder::setCamera(const std::string& name, const Intrinsics& intrinsics, const Quantity& quantity) {
+  return impl_->cameras.find(name, intrinsics, quantity);
 }
 
 void Recorder::setMask(std::uint32_t camera, const cv::Mat1b& mask) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_colorizer/recording/recording.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <opencv2/imgcodecs.hpp>
 
@@ -100,10 +101,30 @@ std::vector<std::uint8_t> Recording::readRecords(std::size_t tile) const {
 ViewPixels Recording::readPixels(std::size_t view) const {
   const auto& entry = state_->views.at(view);
   const Intrinsics& intrinsics = state_->cameras.at(entry.camera).intrinsics;
-  ViewPixels pixels = decodePixels(state_->directory + '/' + entry.image, intrinsics);
+  ViewPixels pixels =
+      decodePixels(state_->directory + '/' + entry.image, intrinsics, state_->cameras[entry.camera].quantity.kind);
   addMask(readMask(entry.camera), pixels.mask);
   if (!entry.mask.empty()) addMask(decodeMask(state_->directory + '/' + entry.mask, intrinsics), pixels.mask);
   return pixels;
+}
+
+const Quantity& Recording::quantityOf(std::size_t view) const {
+  return state_->cameras[state_->views[view].camera].quantity;
+}
+
+bool Recording::hasColors() const {
+  return std::any_of(state_->cameras.begin(), state_->cameras.end(),
+                     [](const RecordedCamera& camera) { return camera.quantity.kind == ImageKind::kColor; });
+}
+
+std::vector<Quantity> Recording::quantities() const {
+  std::vector<Quantity> quantities;
+  for (const RecordedCamera& camera : state_->cameras) {
+    const bool is_known = std::any_of(quantities.begin(), quantities.end(),
+                                      [&](const Quantity& known) { return isSame(known, camera.quantity); });
+    if (camera.quantity.kind != ImageKind::kColor && !is_known) quantities.push_back(camera.quantity);
+  }
+  return quantities;
 }
 
 cv::Mat Recording::readMask(std::size_t camera) const {

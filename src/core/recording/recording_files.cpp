@@ -12,6 +12,7 @@
 #include <type_traits>
 
 #include "base/file_io.hpp"
+#include "base/param_text.hpp"
 #include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
 
@@ -90,6 +91,15 @@ RecordedCamera parseCamera(const YAML::Node& node) {
   k.model = distortionModelFromString(node["distortion_model"].as<std::string>());
   k.distortion = node["distortion"].as<std::vector<double>>();
   camera.mask = node["mask"].as<std::string>();
+  if (const auto kind = node["kind"]) {
+    Quantity& quantity = camera.quantity;
+    quantity.kind = parseValue<ImageKind>("kind", kind.as<std::string>());
+    quantity.name = node["quantity"].as<std::string>();
+    quantity.scale = node["scale"].as<double>();
+    quantity.offset = node["offset"].as<double>();
+    quantity.names = node["names"].as<std::string>();
+    quantity.check();
+  }
   constexpr int kMaxSide = 1 << 20;  // px; OpenCV reads no wider image
   const Camera checked(k);
   require<std::invalid_argument>(std::max(k.width, k.height) <= kMaxSide, "an image of ", k.width, " x ", k.height,
@@ -105,7 +115,16 @@ void emitCamera(YAML::Emitter& out, const RecordedCamera& camera) {
   out << YAML::Key << "distortion_model" << YAML::Value << toString(camera.intrinsics.model);
   out << YAML::Key << "distortion" << YAML::Value << YAML::Flow << YAML::BeginSeq;
   for (const auto coefficient : camera.intrinsics.distortion) out << formatDouble(coefficient);
-  out << YAML::EndSeq << YAML::Key << "mask" << YAML::Value << YAML::DoubleQuoted << camera.mask << YAML::EndMap;
+  out << YAML::EndSeq << YAML::Key << "mask" << YAML::Value << YAML::DoubleQuoted << camera.mask;
+  const Quantity& quantity = camera.quantity;
+  if (quantity.kind != ImageKind::kColor) {
+    out << YAML::Key << "kind" << YAML::Value << formatValue(quantity.kind);
+    out << YAML::Key << "quantity" << YAML::Value << quantity.name;
+    out << YAML::Key << "scale" << YAML::Value << formatDouble(quantity.scale);
+    out << YAML::Key << "offset" << YAML::Value << formatDouble(quantity.offset);
+    out << YAML::Key << "names" << YAML::Value << YAML::DoubleQuoted << quantity.names;
+  }
+  out << YAML::EndMap;
 }
 
 }  // namespace

@@ -27,4 +27,14 @@ void sampleBilinear(const cv::Mat& image, float u, float v, float* out) {
   }
 }
 
+/// The value of each channel of the nearest pixel.
+template <class T>
+void sampleNearest(const cv::Mat& image, float u, float v, float* out) {
+  const int channels = image.channels();
+  const int x = std::min(std::max(static_cast<int>(std::lround(u)), 0), image.cols - 1);
+  const int y = std::min(std::max(static_cast<int>(std::lround(v)), 0), image.rows - 1);
+  const T* const pixel = image.ptr<T>(y) + static_cast<std::ptrdiff_t>(x) * channels;
+  std::copy(pixel, pixel + channels, out);
+}
+
 }  // namespace cloud_colorizer

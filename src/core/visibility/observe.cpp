@@ -23,18 +23,25 @@ constexpr float kFullWeightBorder = 20;  // px from the usable border to where a
 
 using Sampler = void (*)(const cv::Mat&, float, float, float*);
 
-Sampler samplerOf(const cv::Mat& image, std::uint32_t view) {
-  if (image.depth() == CV_8U) return sampleBilinear<std::uint8_t>;
-  if (image.depth() == CV_16U) return sampleBilinear<std::uint16_t>;
-  require<std::invalid_argument>(image.depth() == CV_32F, "image of view ", view,
+/// The number of a class between two others is a third class.
+template <class T>
+Sampler samplerOf(ImageKind kind) {
+  return kind == ImageKind::kLabels ? sampleNearest<T> : sampleBilinear<T>;
+}
+
+Sampler samplerOf(const ObservedView& view) {
+  const int depth = view.image->depth();
+  if (depth == CV_8U) return samplerOf<std::uint8_t>(view.kind);
+  if (depth == CV_16U) return samplerOf<std::uint16_t>(view.kind);
+  require<std::invalid_argument>(depth == CV_32F, "image of view ", view.id,
                                  " has an element type other than CV_8U, CV_16U and CV_32F");
-  return sampleBilinear<float>;
+  return samplerOf<float>(view.kind);
 }
 
 /// Nearly the largest value of the type: demosaicing and JPEG blur the limit. Floats have none.
-float saturationOf(const cv::Mat& image) {
+float saturationOf(const cv::Mat& image, ImageKind kind) {
   constexpr float kShare = 0.98F;
-  if (image.depth() == CV_32F) return std::numeric_limits<float>::infinity();
+  if (image.depth() == CV_32F || kind != ImageKind::kColor) return std::numeric_limits<float>::infinity();
   return kShare * (image.depth() == CV_8U ? 255.0F : 65535.0F);
 }
 
@@ -67,8 +74,8 @@ class Looker {
       : view_(view),
         depth_params_(depth_params),
         camera_(*view.camera),
-        sampler_(samplerOf(*view.image, view.id)),
-        saturation_(saturationOf(*view.image)),
+        sampler_(samplerOf(view)),
+        saturation_(saturationOf(*view.image, view.kind)),
         max_distance_(static_cast<float>(depth_params.reach())),
         right_(static_cast<float>(camera_.intrinsics().width - 1)),
         bottom_(static_cast<float>(camera_.intrinsics().height - 1)),

@@ -105,6 +105,22 @@ TEST_F(ImportModel, PhotosOfAnotherScaleGetScaledIntrinsics) {
   EXPECT_EQ(recording.cameras()[recording.views()[1].camera].intrinsics.width, 64);
 }
 
+TEST_F(ImportModel, LabelsOfPhotosBecomeViewsBesideThem) {
+  files_.labels = scratch_ / "labels";
+  std::filesystem::create_directories(files_.labels + "/left");
+  const cv::Mat1b labels(24, 32, std::uint8_t{7});  // smaller than the photo
+  cv::imwrite(files_.labels + "/left/a.PNG.png", labels);
+  const Recording recording = import();
+  ASSERT_EQ(recording.views().size(), 3U);  // one photo has none
+  EXPECT_EQ(recording.quantityOf(2).kind, ImageKind::kLabels);
+  EXPECT_EQ(recording.views()[2].map_from_camera.matrix(), recording.views()[0].map_from_camera.matrix());
+  EXPECT_EQ(recording.readPixels(2).image.at<std::uint8_t>(3, 3), 7);
+  EXPECT_EQ(recording.cameras()[recording.views()[2].camera].intrinsics.fx, 25);
+  files_.labels = scratch_ / "images";  // of colours
+  std::filesystem::remove_all(scratch_ / "r");
+  EXPECT_THROW(import(), std::runtime_error);
+}
+
 TEST_F(ImportModel, PosesThatCannotBeRightAreTold) {
   RecordParams params;
   params.voxel_size = 0;

@@ -433,6 +433,30 @@ TEST_F(Colorize, WhatMovedIsMarkedHidesNothingAndCanBeDropped) {
   EXPECT_EQ(coloredFields(recording, params_).back().name, "color_stddev");
 }
 
+TEST_F(Colorize, AnImageOfClassesFollowsTheImageOfColoursThatItBelongsTo) {
+  Recorder recorder(scratch_ / "r", "map", record_);
+  recorder.addCloud(wall(5, 0.05), Eigen::Isometry3d::Identity());
+  const auto camera = recorder.setCamera("camera_0", intrinsics_);
+  const auto labels = recorder.setCamera("camera_1", intrinsics_, {ImageKind::kLabels, "label", 1, 0, ""});
+  for (int i = 0; i < 5; ++i) {
+    Eigen::Isometry3d pose = cameraAt(0, 0.4 * (i - 2), 2);
+    const std::vector<std::uint8_t> image = imageOfWall(intrinsics_, pose.translation(), 5, 1);
+    if (i == 2) pose.linear() *= Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitY()).toRotationMatrix();
+    recorder.addView(camera, i, pose, image, "png");
+    if (i != 2) continue;
+    std::vector<std::uint8_t> classes;
+    cv::imencode(".png", cv::Mat1b(intrinsics_.height, intrinsics_.width, std::uint8_t{1}), classes);
+    recorder.addView(labels, i, pose, classes, "png");
+  }
+  const Recording recording = recorder.snapshot();
+  params_.colorize.method = Method::kDefault;
+  params_.alignment.pose_rotation_prior = 0.5;
+  colorize(recording, params_, {});
+  const auto used = usedPoses(recording, params_);
+  EXPECT_EQ(used[3].matrix(), used[2].matrix());
+  EXPECT_NE(used[3].matrix(), recording.views()[3].map_from_camera.matrix());
+}
+
 TEST_F(Colorize, ReasonsAddUpToAllPoints) {
   record_.max_range = 70;  // so views colour up to 46.7 m
   const Recording recording = record("r", {5, 15, 60}, 0.1, {{0, 0, 2}}, 5);
