@@ -21,6 +21,7 @@ const char* const kHelp =
     "  visibility  scores a map of the simulated street against the true line of sight\n"
     "  visible     what a camera certainly saw: the share that got a colour\n"
     "  city        scores a map of `simulate city` of any size\n"
+    "  appearance  how well sheen is told from colours, on a ball whose colours and sheen are known\n"
     "\n"
     "`evaluate COMMAND --help` tells more. Exit codes: 0 done, 1 failed, 2 bad command line.\n";
 
@@ -32,8 +33,8 @@ int main(int argc, char** argv) {
 #ifdef CLOUD_COLORIZER_ROS
       {"visible", runVisible},
 #endif
-      {"tables", runTables},   {"ablations", runAblations},   {"heldout", runHeldout},
-      {"score", runScore},     {"visibility", runVisibility}, {"city", runCity}};
+      {"tables", runTables},         {"ablations", runAblations}, {"heldout", runHeldout},      {"score", runScore},
+      {"visibility", runVisibility}, {"city", runCity},           {"appearance", runAppearance}};
   const std::string command = argc > 1 ? argv[1] : "";
   if (command == "--help" || command == "-h") {
     std::fputs(kHelp, stdout);

@@ -10,6 +10,7 @@
 #include "apps/command_line.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
+#include "evaluation/appearance.hpp"
 #include "evaluation/clouds.hpp"
 #include "evaluation/heldout.hpp"
 #include "evaluation/quantities.hpp"
@@ -144,6 +145,21 @@ int runHeldout(int argc, char** argv) {
     const HeldoutResult result = scoreHeldout(recording, params, output, callbacks);
     writeText(output + "/heldout_views.csv", csv(result.views));
     save(result.methods, output, "heldout");
+  });
+}
+
+int runAppearance(int argc, char** argv) {
+  CommandSpec spec;
+  spec.program = "evaluate appearance";
+  spec.summary =
+      "How well sheen is told from colours, on a ball with known colours, half of it glossy: mean errors of views "
+      "that\n"
+      "were left out, on glossy and matte points, and of the colours without sheen.";
+  spec.takes_params = false;
+  spec.options = {{"output", "DIR", "gets appearance.csv", true}, {"points", "N", "of the ball (40000)"}};
+  return runMain(argc, argv, spec, [](const CommandLine& line, const Callbacks&) {
+    makeDirectory(line.option("output"));
+    save(makeAppearanceTable(line.value("points", 40000)), line.option("output"), "appearance");
   });
 }
 

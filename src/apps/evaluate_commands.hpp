@@ -9,6 +9,7 @@ namespace cloud_colorizer {
 int runTables(int argc, char** argv);
 int runAblations(int argc, char** argv);
 int runHeldout(int argc, char** argv);
+int runAppearance(int argc, char** argv);
 int runScore(int argc, char** argv);
 int runVisibility(int argc, char** argv);
 int runVisible(int argc, char** argv);

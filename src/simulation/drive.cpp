@@ -213,6 +213,8 @@ StreetOptions streetOf(const Options& options) {
   // It passes the vehicle in the middle of the drive.
   const double middle = kLead + 0.5 * options.frames / options.rate;
   street.car_start = 0.5 * way - street.car_speed * middle;
+  street.lighting.gloss = options.gloss;
+  if (options.gloss > 0) street.lighting.to_sun = Eigen::Vector3d(0.85, -0.25, 0.42).normalized();  // low, ahead
   return street;
 }
 

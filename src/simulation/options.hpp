@@ -36,6 +36,7 @@ struct Options {
   int jpeg_quality = 95;
   double readout = 0;                          ///< s from the first row of an image to the last
   std::string image_transport = "compressed";  ///< compressed (JPEG) or raw (rgb8)
+  double gloss = 0;                            ///< exponent of the sheen of the wet road and the car bodies; 0: none
   bool quantities = false;                     ///< beside each image one of classes and one of temperatures
 
   int beams = 48;
@@ -92,6 +93,9 @@ void visitOptions(Options_& o, F&& f) {
   f("jpeg-quality", o.jpeg_quality, Range{1, 100}, "1 to 100");
   f("readout", o.readout, Range{0.0, 0.1}, "s from the first row of an image to the last, of a rolling shutter");
   f("image-transport", o.image_transport, Range{}, "compressed or raw");
+  f("gloss", o.gloss, Range{0.0, 1000.0},
+    "exponent (Blinn, Phong) of the sheen of a low sun on the wet road and on cars: 8, 40 or 200, say; 0: all is "
+    "matte");
   f("quantities", o.quantities, Range{}, "beside each image one of classes (labels) and one of temperatures (thermal)");
   f("beams", o.beams, Range{1, 256}, "of the LiDAR");
   f("azimuths", o.azimuths, Range{1, 10000}, "firings a revolution of the LiDAR");

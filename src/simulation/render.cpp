@@ -138,6 +138,7 @@ class Renderer {
     const double cosine = std::max(0.05, -complete.normal.dot(direction));
     const auto footprint = static_cast<float>(best.distance / std::sqrt(cosine)) * rays_.pixelAngle();
     traced.color = scene_.trueColor(complete, std::max(0.002F, footprint)).matrix();
+    traced.color.array() += scene_.sheen(complete, direction);
     traced.surface = solid * 16 + best.face;
     return traced;
   }

@@ -284,6 +284,17 @@ Color Scene::trueColor(const Hit& hit, float footprint) const {
   return (base * light).min(255.F).max(0.F);
 }
 
+float Scene::sheen(const Hit& hit, const Eigen::Vector3d& direction) const {
+  constexpr double kStrength = 110;
+  const Solid& solid = solids_[static_cast<std::size_t>(hit.solid)];
+  const Pattern pattern = solid.primitive().material.pattern;
+  const bool is_glossy = pattern == Pattern::kGround || pattern == Pattern::kCarBody;
+  if (lighting_.gloss == 0 || !is_glossy || hit.normal.dot(lighting_.to_sun) <= 0) return 0;
+  const double half_way = hit.normal.dot((lighting_.to_sun - direction).normalized());
+  const float sun = solid.isMoving() ? 1.F : sunlit(hit.point, hit.normal);
+  return sun * static_cast<float>(kStrength * std::pow(std::max(0.0, half_way), lighting_.gloss));
+}
+
 Color Scene::skyColor(const Eigen::Vector3d& direction) const {
   const auto up = static_cast<float>(std::max(0.0, direction.z()));
   Color color = Color(214, 224, 232) + (Color(104, 152, 208) - Color(214, 224, 232)) * std::sqrt(up);

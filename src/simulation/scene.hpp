@@ -14,12 +14,13 @@
 
 namespace cloud_colorizer::simulation {
 
-/// Fixed light; it does not depend on the viewer, so a surface point has one true colour.
+/// Fixed light. Without a gloss it does not depend on the viewer: a surface point has one true colour.
 struct Lighting {
   Eigen::Vector3d to_sun = Eigen::Vector3d(-0.35, -0.62, 0.8).normalized();
   Color sun{0.44F, 0.42F, 0.38F};  ///< share of the albedo that a face turned to the sun gains
   Color sky{0.62F, 0.63F, 0.66F};  ///< share that every face gets
   double shadow_cell = 0.06;       ///< m, of the map of the sun's shadows; 0: no shadows
+  double gloss = 0;                ///< Blinn and Phong's exponent of the wet road and the car bodies; 0: all is matte
 };
 
 struct Hit {
@@ -51,6 +52,8 @@ class Scene {
 
   /// Albedo times light, 0 to 255, averaged over `footprint` [m] of texture.
   Color trueColor(const Hit& hit, float footprint = kTrueFootprint) const;
+  /// What the sun's sheen adds to the true colour, seen along a ray of that direction.
+  float sheen(const Hit& hit, const Eigen::Vector3d& direction) const;
   Color skyColor(const Eigen::Vector3d& direction) const;
 
   const std::vector<Solid>& solids() const { return solids_; }

@@ -47,8 +47,9 @@ ColorizeSummary colorize(const Recording& recording, const Params& params, const
 std::vector<Eigen::Isometry3d> usedPoses(const Recording& recording, const Params& params);
 
 /// Fields of the coloured map: those of the recording (a clash gets the prefix "input_"; what an earlier run added is
-/// replaced), then rgb (FLOAT32, packed), view_count (UINT16), color_stddev (FLOAT32), and with `moving: mark`, where
-/// the recording has scans, moving (UINT8; from 128 on something that moved).
+/// replaced), then rgb (FLOAT32, packed), view_count (UINT16), color_stddev (FLOAT32), with `appearance` diffuse_red,
+/// diffuse_green, diffuse_blue (FLOAT32) and specular (UINT8), with `moving: mark`, where the recording has scans,
+/// moving (UINT8; from 128 on something that moved), and those of quantities that are no colours.
 std::vector<Field> coloredFields(const Recording& recording, const Params& params);
 
 /// The coordinate reference system that a saved .las names: the parameter's, else the recording's; empty: none.

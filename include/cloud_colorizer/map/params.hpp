@@ -32,6 +32,7 @@ struct ColorizeParams {
   Uncolored uncolored = Uncolored::kKeep;
   Moving moving = Moving::kMark;
   Tone tone = Tone::kDisplay;
+  Appearance appearance = Appearance::kNone;
   double fill_distance = 0.3;  ///< m; `uncolored: fill` takes the colour of the nearest coloured point within it
   std::string crs;             ///< of a saved .las: a code such as EPSG:25832, or WKT; empty: as the input's
   int num_threads = 0;         ///< 0: one a core
@@ -61,6 +62,7 @@ std::vector<std::string> enumNames(Method);
 std::vector<std::string> enumNames(Uncolored);
 std::vector<std::string> enumNames(Moving);
 std::vector<std::string> enumNames(Tone);
+std::vector<std::string> enumNames(Appearance);
 std::vector<std::string> enumNames(SolverKind);
 std::vector<std::string> enumNames(AnchorKind);
 std::vector<std::string> enumNames(PassGrids);
@@ -127,6 +129,9 @@ void visitParams(ParamsT& p, F&& f) {
   f("max_chunk_points", p.chunks.max_chunk_points, "points of a chunk's core");
   f("overlap", p.chunks.overlap, "halo of a chunk as a share of its side");
   f("moving", p.colorize.moving, "keep, mark (field moving) or drop the points of what moved, as the scans tell it");
+  f("appearance", p.colorize.appearance,
+    "none, sh1 or sh2: take what changes with the direction of the view out of the colours (fields diffuse_..., "
+    "specular)");
   f("fill_distance", p.colorize.fill_distance, "m within which an unseen point takes a neighbour's colour");
   f("crs", p.colorize.crs,
     "coordinate reference system that a saved .las names: EPSG:25832, say, or WKT; empty: as the input's");

@@ -33,7 +33,7 @@ Header headerOf(const std::vector<std::uint8_t>& bytes) {
   return {std::string(first, first + static_cast<std::ptrdiff_t>(length)), begin + length};
 }
 
-std::string valueOf(const Header& header, const std::string& key, const std::string& pattern) {
+std::string headerValue(const Header& header, const std::string& key, const std::string& pattern) {
   std::smatch match;
   require(std::regex_search(header.text, match, std::regex("'" + key + "'\\s*:\\s*" + pattern)),
           "the .npy file does not tell its ", key, " as numpy writes it");
@@ -49,7 +49,7 @@ int depthOf(const std::string& type) {
 }
 
 std::vector<int> shapeOf(const Header& header) {
-  const std::string text = valueOf(header, "shape", "\\(([0-9, ]*)\\)");
+  const std::string text = headerValue(header, "shape", "\\(([0-9, ]*)\\)");
   std::vector<int> shape;
   const std::regex number("[0-9]+");
   for (std::sregex_iterator it(text.begin(), text.end(), number), end; it != end; ++it) {
@@ -73,9 +73,9 @@ bool isNpy(const std::vector<std::uint8_t>& bytes) {
 
 cv::Mat matOfNpy(const std::vector<std::uint8_t>& bytes) {
   const Header header = headerOf(bytes);
-  require(valueOf(header, "fortran_order", "(True|False)") == "False",
+  require(headerValue(header, "fortran_order", "(True|False)") == "False",
           "the .npy file is in Fortran's order; use numpy.ascontiguousarray");
-  const int depth = depthOf(valueOf(header, "descr", "'([^']*)'"));
+  const int depth = depthOf(headerValue(header, "descr", "'([^']*)'"));
   const std::vector<int> shape = shapeOf(header);
   const int type = CV_MAKETYPE(depth, shape[2]);
   const std::uint64_t size =

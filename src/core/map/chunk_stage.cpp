@@ -9,6 +9,7 @@
 #include "base/progress.hpp"
 #include "cloud_colorizer/color/point_colors.hpp"
 #include "cloud_colorizer/map/chunks.hpp"
+#include "color/appearance.hpp"
 #include "color/held_out.hpp"
 #include "map/fingerprint.hpp"
 #include "map/memory_budget.hpp"
@@ -102,10 +103,52 @@ SightPlace sightPlace(const Workspace& work, std::uint32_t view, const Eigen::Ve
   return sight;
 }
 
+/// The colours without sheen, and how much of it there is.
+struct Diffuse {
+  Eigen::Matrix3Xf values;  ///< empty where nobody asked
+  std::vector<std::uint8_t> specular;
+};
+
+/// Takes the sheen out of the observations, or nothing where nobody asked.
+Sheen takeOutSheen(const Workspace& work, const Surface& surface, Observations& observations) {
+  const Appearance appearance = work.params().colorize.appearance;
+  if (appearance == Appearance::kNone) return {};
+  std::vector<Eigen::Vector3f> eyes;
+  for (const CorrectedView& view : work.corrections()) {
+    eyes.emplace_back(view.map_from_camera.translation().cast<float>());
+  }
+  const Sights sights{surface.points, surface.surfels.normals, observations, eyes};
+  return takeOutSheen(sights, appearance, static_cast<float>(sheenCellSize(work.recording())), observations);
+}
+
+/// The colours become what is seen of each point on an average of its views.
+Diffuse separated(const Sheen& sheen, Fused& colors) {
+  Diffuse diffuse;
+  if (sheen.mean.cols() == 0) return diffuse;
+  diffuse.values = Eigen::Matrix3Xf::Zero(3, colors.values.cols());
+  diffuse.specular.assign(static_cast<std::size_t>(colors.values.cols()), 0);
+  for (Index p = 0; p < colors.values.cols(); ++p) {
+    if (colors.count[p] == 0) continue;
+    const float without = colors.values.col(p).sum();
+    const float least = without + sheen.least.col(p).sum(), most = without + sheen.most.col(p).sum();
+    const float share = most > 0 ? std::clamp((most - least) / most, 0.F, 1.F) : 0;
+    diffuse.specular[static_cast<std::size_t>(p)] = static_cast<std::uint8_t>(std::lround(255 * share));
+    for (Index c = 0; c < 3; ++c) {
+      diffuse.values(c, p) = std::max(0.F, colors.values(c, p) + sheen.least(c, p));
+      colors.values(c, p) += sheen.mean(c, p);
+    }
+  }
+  return diffuse;
+}
+
 TileColors gatherColors(const Fused& colors, const std::vector<Unseen>& unseen, const NearestViews& nearest,
-                        const Values& quantities, const std::vector<Index>& columns) {
-  TileColors tile{gatherColumns(colors.values, columns).cwiseMax(0.F), {}, {}, {}, {}, {}, {}};
+                        const Diffuse& diffuse, const Values& quantities, const std::vector<Index>& columns) {
+  TileColors tile{gatherColumns(colors.values, columns).cwiseMax(0.F), {}, {}, {}, {}, {}, {}, {}, {}};
   if (quantities.rows() > 0) tile.quantities = gatherColumns(quantities, columns);
+  if (diffuse.values.cols() > 0) {
+    tile.diffuse = gatherColumns(diffuse.values, columns);
+    for (const Index k : columns) tile.specular.push_back(diffuse.specular[static_cast<std::size_t>(k)]);
+  }
   for (const Index k : columns) {
     tile.count.push_back(static_cast<std::uint16_t>(std::min(colors.count[k], 65535)));
     tile.stddev.push_back(colors.stddev[k]);
@@ -138,6 +181,8 @@ void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid) {
   const auto viewAt = [&](std::size_t k) { return work.observedView(views[k]); };
   const Params& params = work.params();
   ObserveResult seen = observe(surface.points, surface.surfels, views.size(), viewAt, params.depth, params.observe);
+  const NearestViews nearest = nearestViews(work, seen.observations);
+  const Sheen sheen = takeOutSheen(work, surface, seen.observations);
   const auto core_columns = coreColumns(work, chunk, order);
   const double cell = toneCellSize(work.recording());
   const auto placeOf = [&](std::uint32_t view, const Eigen::Vector3f& point) { return sightPlace(work, view, point); };
@@ -147,11 +192,11 @@ void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid) {
     of_views.push_back({countViews(surface.points, columns, seen.observations, cell),
                         leaveOneOut(surface.points, columns, seen.observations, placeOf)});
   }
-  const NearestViews nearest = nearestViews(work, seen.observations);
   Fused colors = colorPoints(surface.points, std::move(seen.observations), grid, params.colorize.method, params.graph,
                              params.system);
   // Without a view nothing tells the number of channels.
   if (views.empty()) colors.values = Values::Zero(3, surface.size());
+  const Diffuse diffuse = separated(sheen, colors);
   const SeenQuantities quantities =
       seeQuantities(work, surface, grid, [&](const Quantity& quantity) { return nearestFirst(work, chunk, quantity); });
   if (!work.recording().hasColors()) {
@@ -159,7 +204,7 @@ void colorChunk(Workspace& work, const Chunk& chunk, const ZOrderGrid& grid) {
     colors.count = quantities.count;
   }
   for (std::size_t i = 0; i < core_columns.size(); ++i) {
-    const TileColors tile = gatherColors(colors, seen.unseen, nearest, quantities.fields, core_columns[i]);
+    const TileColors tile = gatherColors(colors, seen.unseen, nearest, diffuse, quantities.fields, core_columns[i]);
     addPeaks(gatherColumns(surface.points, core_columns[i]), tile.values, cell, of_views[i].tone);
     work.files().writeColors(chunk.core_tiles[i], tile, of_views[i]);
   }

@@ -28,6 +28,12 @@ const std::vector<Field> kRadianceFields = {{"radiance_red", FieldType::kFloat32
                                             {"radiance_green", FieldType::kFloat32, 1},
                                             {"radiance_blue", FieldType::kFloat32, 1}};
 
+/// Appended with `appearance`: without sheen, 0 to 255, and the share of 255 of the brightness that is sheen at most.
+const std::vector<Field> kSheenFields = {{"diffuse_red", FieldType::kFloat32, 1},
+                                         {"diffuse_green", FieldType::kFloat32, 1},
+                                         {"diffuse_blue", FieldType::kFloat32, 1},
+                                         {"specular", FieldType::kUint8, 1}};
+
 /// Appended where it is known: 0 to 255, from 128 on something that moved.
 const Field kMovingField = {"moving", FieldType::kUint8, 1};
 
@@ -49,7 +55,8 @@ std::vector<Field> quantityFields(const Recording& recording) {
 bool isOurs(const Recording& recording, const std::string& name) {
   static const std::set<std::string> kOurs = {"rgb",           "red",          "green",        "blue",
                                               "view_count",    "color_stddev", "radiance_red", "radiance_green",
-                                              "radiance_blue", "moving"};
+                                              "radiance_blue", "moving",       "diffuse_red",  "diffuse_green",
+                                              "diffuse_blue",  "specular"};
   return kOurs.count(name) != 0 || findField(quantityFields(recording), name);
 }
 
@@ -69,6 +76,10 @@ std::uint8_t* writeColor(const ShownTile& tile, const std::vector<Field>& quanti
   append(&tile.colors.count[i], sizeof(tile.colors.count[i]));
   append(&tile.colors.stddev[i], sizeof(tile.colors.stddev[i]));
   if (tile.radiance.cols() > 0) append(tile.radiance.col(column).data(), 3 * sizeof(float));
+  if (tile.colors.diffuse.cols() > 0) {
+    append(tile.colors.diffuse.col(column).data(), 3 * sizeof(float));
+    append(&tile.colors.specular[i], 1);
+  }
   if (!tile.moving.empty()) *out++ = tile.moving[i];
   for (std::size_t row = 0; row < quantities.size(); ++row) {
     const float value = tile.colors.quantities(static_cast<Index>(row), column);
@@ -94,7 +105,7 @@ std::vector<Field> keptFields(const Recording& recording) {
 }
 
 /// All fields of the coloured map.
-std::vector<Field> mapFields(const Recording& recording, bool with_radiance, bool with_moving) {
+std::vector<Field> mapFields(const Recording& recording, bool with_radiance, bool with_sheen, bool with_moving) {
   std::vector<Field> fields = keptFields(recording);
   std::set<std::string> given;
   for (const Field& field : fields) given.insert(field.name);
@@ -106,6 +117,7 @@ std::vector<Field> mapFields(const Recording& recording, bool with_radiance, boo
   }
   fields.insert(fields.end(), kColorFields.begin(), kColorFields.end());
   if (with_radiance) fields.insert(fields.end(), kRadianceFields.begin(), kRadianceFields.end());
+  if (with_sheen) fields.insert(fields.end(), kSheenFields.begin(), kSheenFields.end());
   if (with_moving) fields.push_back(kMovingField);
   const std::vector<Field> quantities = quantityFields(recording);
   fields.insert(fields.end(), quantities.begin(), quantities.end());
@@ -120,7 +132,8 @@ Cloud makeCloud(const Recording& recording, const ShownTile& saved, bool relativ
   const Eigen::Vector3d origin = relative ? Eigen::Vector3d::Zero() : recording.origin();
 
   Cloud cloud;
-  cloud.fields = mapFields(recording, saved.radiance.cols() > 0, !saved.moving.empty());
+  cloud.fields =
+      mapFields(recording, saved.radiance.cols() > 0, saved.colors.diffuse.cols() > 0, !saved.moving.empty());
   const auto num_kept = std::count(saved.keep.begin(), saved.keep.end(), true);
   cloud.positions.resize(3, num_kept);
   cloud.records.resize(static_cast<std::size_t>(num_kept) * recordSize(cloud.fields));
@@ -137,9 +150,11 @@ Cloud makeCloud(const Recording& recording, const ShownTile& saved, bool relativ
 
 /// Radiances to shown colours.
 void show(const ToneField& tone, const Points& points, TileColors& colors) {
+  constexpr float kWhite = 255;
   const Eigen::RowVectorXf factors = tone.factors(points, colors.values);
   for (Index i = 0; i < points.cols(); ++i) {
     colors.values.col(i) *= factors[i];
+    if (colors.diffuse.cols() > 0) colors.diffuse.col(i) = (factors[i] * colors.diffuse.col(i)).cwiseMin(kWhite);
     colors.stddev[static_cast<std::size_t>(i)] *= factors[i];
   }
 }
@@ -205,7 +220,8 @@ std::vector<bool> ColoredTiles::kept(const TileColors& colors, const std::vector
 }
 
 std::vector<Field> coloredFields(const Recording& recording, const Params& params) {
-  return mapFields(recording, params.colorize.tone == Tone::kRadiance, marksMoving(recording, params));
+  return mapFields(recording, params.colorize.tone == Tone::kRadiance, params.colorize.appearance != Appearance::kNone,
+                   marksMoving(recording, params));
 }
 
 std::string coloredCrs(const Recording& recording, const Params& params) {

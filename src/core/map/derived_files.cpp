@@ -25,6 +25,7 @@ namespace fs = std::filesystem;
 
 const std::string kCorrections = std::string(kAlignmentFolder) + '/' + kCorrectionsFile;
 constexpr std::size_t kViewsPerBlock = 64;
+constexpr std::size_t kSheenBytes = 3 * sizeof(float) + 1;
 /// Bytes of a point's colour, count, deviation, reason, and what its nearest view shows.
 constexpr std::size_t kColorBytes = 4 * sizeof(float) + sizeof(std::uint16_t) + 1 + 3 + 1;
 
@@ -112,10 +113,13 @@ std::size_t DerivedFiles::numQuantityFields() const {
   return count;
 }
 
+std::size_t DerivedFiles::bytesOfColor() const {
+  return kColorBytes + numQuantityFields() * sizeof(float) + (with_sheen_ ? kSheenBytes : 0);
+}
+
 bool DerivedFiles::hasColors(std::size_t tile) const {
   return readWholeBlob(tileFile(kColorsFolder, tile, kViewsExtension)).has_value() &&
-         isWholeBlob(tileFile(kColorsFolder, tile),
-                     (kColorBytes + numQuantityFields() * sizeof(float)) * recording_.tiles()[tile].num_points);
+         isWholeBlob(tileFile(kColorsFolder, tile), bytesOfColor() * recording_.tiles()[tile].num_points);
 }
 
 void DerivedFiles::writeColors(std::size_t tile, const TileColors& colors, const TileViews& of_views) const {
@@ -143,6 +147,8 @@ void DerivedFiles::writeColors(std::size_t tile, const TileColors& colors, const
   blob.add(colors.nearest);
   blob.add(colors.camera);
   blob.add(colors.quantities);
+  blob.add(colors.diffuse);
+  blob.add(colors.specular);
   blob.save(tileFile(kColorsFolder, tile));
 }
 
@@ -154,6 +160,8 @@ TileColors DerivedFiles::readColors(std::size_t tile) const {
                     std::vector<Unseen>(count),
                     std::vector<std::array<std::uint8_t, 3>>(count),
                     std::vector<std::uint8_t>(count),
+                    Eigen::Matrix3Xf(3, with_sheen_ ? static_cast<Eigen::Index>(count) : 0),
+                    std::vector<std::uint8_t>(with_sheen_ ? count : 0),
                     Values(static_cast<Eigen::Index>(numQuantityFields()), static_cast<Eigen::Index>(count))};
   BlobReader blob(tileFile(kColorsFolder, tile));
   blob.read(colors.values);
@@ -163,6 +171,8 @@ TileColors DerivedFiles::readColors(std::size_t tile) const {
   blob.read(colors.nearest);
   blob.read(colors.camera);
   blob.read(colors.quantities);
+  blob.read(colors.diffuse);
+  blob.read(colors.specular);
   return colors;
 }
 

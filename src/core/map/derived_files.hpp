@@ -42,6 +42,9 @@ struct TileColors {
   std::vector<Unseen> unseen;        ///< why no view coloured the point
   std::vector<std::array<std::uint8_t, 3>> nearest;  ///< what the nearest view that sees it shows, in its own exposure
   std::vector<std::uint8_t> camera;                  ///< of that view, up to 255
+  Eigen::Matrix3Xf diffuse;                          ///< radiance without sheen; empty where nobody asked
+  std::vector<std::uint8_t>
+      specular;       ///< share of 255 of the brightness, where it is greatest, that is sheen; likewise
   Values quantities;  ///< a row for each field of the recording's quantities, a column a point; see fuseQuantity()
 };
 
@@ -82,7 +85,9 @@ class FolderLock {
 /// are read again and again (surfels, depth images), has...() alone looks at the checksum.
 class DerivedFiles {
  public:
-  explicit DerivedFiles(const Recording& recording) : recording_(recording) {}
+  /// `with_sheen`: the colours are told from it.
+  explicit DerivedFiles(const Recording& recording, bool with_sheen = false)
+      : recording_(recording), with_sheen_(with_sheen) {}
 
   /// Empties the folder unless its files were made from `key`. Not while others work on it.
   void claim(const std::string& folder, const std::string& key) const;
@@ -124,6 +129,7 @@ class DerivedFiles {
 
  private:
   std::size_t numQuantityFields() const;
+  std::size_t bytesOfColor() const;  ///< of a point
   std::string tileFile(const char* folder, std::size_t tile, const char* extension = ".bin") const {
     return pathOf(std::string(folder) + '/' + nameOfTile(tile, extension));
   }
@@ -132,6 +138,7 @@ class DerivedFiles {
   }
 
   Recording recording_;
+  bool with_sheen_;
 };
 
 }  // namespace cloud_colorizer

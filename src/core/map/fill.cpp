@@ -63,7 +63,9 @@ void fillUncolored(const Workspace& work, std::size_t tile, TileColors& colors) 
   for (Index i = 0; i < points.cols(); ++i) {
     if (colors.count[static_cast<std::size_t>(i)] > 0) continue;
     tree.nearest(points.col(i), 1, &nearest, &squared_distance);
-    if (squared_distance <= limit) colors.values.col(i) = around.values.col(nearest);
+    if (squared_distance > limit) continue;
+    colors.values.col(i) = around.values.col(nearest);
+    if (colors.diffuse.cols() > 0) colors.diffuse.col(i) = around.values.col(nearest);
   }
 }
 

@@ -23,6 +23,9 @@ std::vector<std::string> enumNames(Tone) {
 std::vector<std::string> enumNames(Uncolored) {
   return {"keep", "drop", "fill"};
 }
+std::vector<std::string> enumNames(Appearance) {
+  return {"none", "sh1", "sh2"};
+}
 std::vector<std::string> enumNames(SolverKind) {
   return {"cg", "cholmod", "spqr"};
 }

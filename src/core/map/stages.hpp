@@ -53,6 +53,8 @@ Stage colorStage();      ///< for each chunk: observe, graph, system, solve; eq.
 
 /// m, side of the cells in which the colour stage sums up the exposures.
 double toneCellSize(const Recording& recording);
+/// m, side of the cells in which it tells sheen from colours: some hundred points of a surface.
+double sheenCellSize(const Recording& recording);
 /// From the radiances of the coloured tiles to what is shown.
 ToneField makeTone(const Workspace& work);
 

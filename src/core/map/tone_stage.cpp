@@ -23,6 +23,11 @@ double toneCellSize(const Recording& recording) {
   return blockSize(recording) / kCellsPerBlock;
 }
 
+double sheenCellSize(const Recording& recording) {
+  constexpr double kVoxels = 20, kCellsOfTile = 4;  // a tile of a map from files has some 6000 points
+  return recording.voxelSize() > 0 ? kVoxels * recording.voxelSize() : recording.tileSize() / kCellsOfTile;
+}
+
 ToneField makeTone(const Workspace& work) {
   ToneCells all;
   for (std::size_t tile = 0; tile < work.recording().tiles().size(); ++tile) {

@@ -32,7 +32,7 @@ Workspace::Workspace(const Recording& recording, const Params& params, bool alon
     : recording_(recording),
       params_(params),
       memory_(params),
-      files_(recording),
+      files_(recording, params.colorize.appearance != Appearance::kNone),
       scan_times_(recording.scans()),
       scans_(
           memory_.scans(), [this](std::size_t scan) { return scanRanges(recording_.readScan(scan)); },

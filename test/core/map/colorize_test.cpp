@@ -457,6 +457,26 @@ TEST_F(Colorize, AnImageOfClassesFollowsTheImageOfColoursThatItBelongsTo) {
   EXPECT_NE(used[3].matrix(), recording.views()[3].map_from_camera.matrix());
 }
 
+TEST_F(Colorize, AMapWithAppearanceHasColoursWithoutSheenBesideItsColours) {
+  params_.colorize.method = Method::kDefault;  // whose gains leave nothing that depends on the view
+  const Recording recording = record("r", {5}, 0.1, kThreeCameras, 5);
+  colorize(recording, params_, {});
+  const Cloud without = colored(recording);
+  params_.colorize.appearance = Appearance::kSh1;
+  EXPECT_THROW(colored(recording), std::runtime_error);  // was coloured with another parameter
+  colorize(recording, params_, {});
+  const Cloud with = colored(recording);
+  const auto red = findField(with.fields, "diffuse_red"), share = findField(with.fields, "specular");
+  ASSERT_TRUE(red && share);
+  const std::size_t size = recordSize(with.fields);
+  for (Index i = 0; i < with.positions.cols(); ++i) {
+    EXPECT_LT((colorOf(with, i) - colorOf(without, i)).cwiseAbs().maxCoeff(), 1.5);  // a matte wall
+    const std::uint8_t* record = with.records.data() + static_cast<std::size_t>(i) * size;
+    EXPECT_NEAR(numberAt(record + red->offset, FieldType::kFloat32), colorOf(with, i)[0], 1.5);
+    EXPECT_LT(numberAt(record + share->offset, FieldType::kUint8), 8);
+  }
+}
+
 TEST_F(Colorize, ReasonsAddUpToAllPoints) {
   record_.max_range = 70;  // so views colour up to 46.7 m
   const Recording recording = record("r", {5, 15, 60}, 0.1, {{0, 0, 2}}, 5);

@@ -38,6 +38,8 @@ class DerivedFilesTest : public ::testing::Test {
                std::vector<Unseen>(7, Unseen::kAbsent),
                {{1, 2, 3}, {4, 5, 6}, {}, {}, {}, {}, {9, 9, 9}},
                {1, 0, 2, 0, 0, 0, 3},
+               {},
+               {},
                Values(0, 7)};
     corrections_.resize(3);
     corrections_[1].map_from_camera.translation() << 1, 2, 3;
