@@ -64,8 +64,8 @@ TEST(Options, EveryValueOutOfRangeIsRefused) {
       {"time-offset", "1"},   {"voxel-size", "-1"},     {"extrinsic-noise-deg", "-1"},
       {"passes", "0"},        {"stand", "-1"},          {"van-ahead", "-1"},
       {"pedestrians", "-1"},  {"leaves", "-1"},         {"beam-divergence", "-1"},
-      {"drift", "-1"}};
-  EXPECT_EQ(bad.size() + 4, describeOptions(Options{}).size());  // all but the three switches and the preset
+      {"drift", "-1"},        {"gloss", "-1"}};
+  EXPECT_EQ(bad.size() + 5, describeOptions(Options{}).size());  // all but the switches and the preset
   for (const auto& [name, value] : bad) {
     Options o;
     setOption(o, name, value);
