@@ -16,12 +16,14 @@
 #include <random>
 
 #include "base/file_io.hpp"
+#include "camera/npy.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/cloud/cloud_io.hpp"
 #include "cloud_colorizer/exchange/colmap.hpp"
 #include "cloud_colorizer/recording/recorder.hpp"
 #include "core/scratch.hpp"
 #include "exchange/trajectory_file.hpp"
+#include "recording/image_files.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -236,6 +238,19 @@ TEST_F(FuzzFiles, Trajectories) {
   writeText(kitti, "1 0 0 1 0 1 0 2 0 0 1 3\n1 0 0 1 0 1 0 2 0 0 1 4\n");
   expectReadOrRefused(tum, [&] { readTrajectory(tum); });
   expectReadOrRefused(kitti, [&] { readTrajectory(kitti); });
+}
+
+TEST_F(FuzzFiles, ImagesThatShowNoColours) {
+  Intrinsics size;
+  size.width = 8, size.height = 6;
+  cv::Mat scores(6, 8, CV_32FC(5));
+  cv::randu(scores, -3, 3);
+  const std::string npy = scratch_ / "scores.npy", png = scratch_ / "labels.png";
+  const Bytes bytes = npyOf(scores);
+  writeFileAtomically(npy, bytes.data(), bytes.size());
+  cv::imwrite(png, cv::Mat1b(6, 8, std::uint8_t{3}));
+  expectReadOrRefused(npy, [&] { decodePixels(npy, size, ImageKind::kLogits); });
+  expectReadOrRefused(png, [&] { decodePixels(png, size, ImageKind::kLabels); });
 }
 
 TEST_F(FuzzFiles, Recordings) {
