@@ -78,8 +78,8 @@ cv::Mat matOfNpy(const std::vector<std::uint8_t>& bytes) {
   const int depth = depthOf(headerValue(header, "descr", "'([^']*)'"));
   const std::vector<int> shape = shapeOf(header);
   const int type = CV_MAKETYPE(depth, shape[2]);
-  const std::uint64_t size =
-      std::uint64_t{CV_ELEM_SIZE(type)} * static_cast<std::uint64_t>(shape[0]) * static_cast<std::uint64_t>(shape[1]);
+  const std::uint64_t size = static_cast<std::uint64_t>(CV_ELEM_SIZE(type)) * static_cast<std::uint64_t>(shape[0]) *
+                             static_cast<std::uint64_t>(shape[1]);
   require(bytes.size() - header.data == size, "the .npy file has ", bytes.size() - header.data,
           " bytes of numbers, but its shape needs ", size);
   cv::Mat image(shape[0], shape[1], type);
