@@ -108,6 +108,16 @@ double typicalDistance(const Recording& recording, const MapSample& sample) {
   return percentile(std::move(distances), 0.5);
 }
 
+constexpr double kShown = 0.95;  // of the numbers, below the bright end of a picture
+
+double shownDeviation(const MapSample& sample) {
+  std::vector<float> deviations;
+  for (std::size_t i = 0; i < sample.size(); ++i) {
+    if (sample.counts[i] >= 2) deviations.push_back(sample.deviations[i]);
+  }
+  return percentile(std::move(deviations), kShown);
+}
+
 /// m^2, as seen from above: cells that hold a point, as large as hold some 20 of the sample each.
 double groundArea(const MapSample& sample) {
   constexpr double kPointsPerCell = 20;
@@ -139,6 +149,7 @@ json measureMap(const Recording& recording, const MapSample& sample) {
   const auto share = [](std::size_t part, std::size_t whole) {
     return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
   };
+  const double shown_thickness = percentile(thicknesses, kShown);
   const double thickness = percentile(std::move(thicknesses), 0.5), distance = typicalDistance(recording, sample);
   double widest = 0;  // of the cameras, what a metre at a metre takes of an image's width
   for (const RecordedCamera& camera : recording.cameras()) {
@@ -148,6 +159,8 @@ json measureMap(const Recording& recording, const MapSample& sample) {
           {"seen_twice_share", share(seen_twice, colored)},
           {"moved_share", share(moved, sample.size())},
           {"thickness_m", thickness},
+          {"shown_thickness_m", shown_thickness},
+          {"shown_deviation", shownDeviation(sample)},
           {"view_distance_m", distance},
           {"seam", sample.seam ? json(*sample.seam) : json()},
           {"thickness_of_width", distance > 0 ? thickness / distance * widest : 0.0}};

@@ -114,6 +114,12 @@ json lightsOf(const json& facts) {
                                 "others are hidden, often truly",
                                 "Look at the reasons below. Poses that are off, or a thick map, hide too much."},
                                map, "colored_share_in_reach", 0.6, 0.3));
+  lights.push_back(
+      numberLight({"Certainly seen", "green above 88 %, red below 70 %",
+                   "share of the points that got a colour, of those in an image that a scan of the moment "
+                   "measured: nothing stood before them",
+                   "A thick map or wrong poses hide what is in sight; masks and max_view_distance as well."},
+                  map, "certainly_seen_colored_share", 0.88, 0.7));
   lights.push_back(overlapLight(facts));
   lights.push_back(numberLight({"Held-out colour error", "green below 15, red above 30 (of 255)",
                                 "a view of a point, left out, against what the others predict (mean)",
@@ -130,10 +136,11 @@ json lightsOf(const json& facts) {
                                 "the slab that the points of a surface make, as a camera at the usual distance sees it",
                                 "Better poses of the scans; a map that is thick cannot have sharper colours."},
                                map, "thickness_of_width", 0.005, 0.015));
-  lights.push_back(numberLight({"Seams", "green below 0.5, red above 2 (of 255)",
-                                "by how much more neighbours differ where one chunk ends and another begins",
-                                "A larger overlap, or larger chunks (max_chunk_points)."},
-                               map, "seam", 0.5, 2));
+  lights.push_back(
+      numberLight({"Seams", "green below 0.5, red above 2 (of 255)",
+                   "by how much more neighbours differ where one chunk ends and another begins than right beside it",
+                   "A larger overlap, or larger chunks (max_chunk_points)."},
+                  map, "seam", 0.5, 2));
   lights.push_back(numberLight(
       {"What moved", "green below 5 %, red above 20 %", "share of the points that later or earlier scans saw through",
        "moving=drop takes them out of the map. Very many: poses or scan_resolution are off."},

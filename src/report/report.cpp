@@ -12,6 +12,7 @@
 #include "base/text.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/picture/picture.hpp"
+#include "report/certain.hpp"
 #include "report/edge_pictures.hpp"
 #include "report/facts.hpp"
 #include "report/map_sample.hpp"
@@ -28,8 +29,10 @@ constexpr float kBeforeTheEye = 0.05F;         // of the map's extent: nearer po
 constexpr Eigen::Index kPictureBlock = 65536;
 
 /// Those that have a colour, stand still, and are not right before the eye.
-ColoredPoints pointsToDraw(const MapSample& sample, const Eigen::Vector3f& eye, float nearest) {
-  return [&sample, eye, nearest](const std::function<void(PointsRef, ValuesRef)>& visit) {
+/// `shades`: red green blue a point.
+ColoredPoints pointsToDraw(const MapSample& sample, const std::vector<std::uint8_t>& shades, const Eigen::Vector3f& eye,
+                           float nearest) {
+  return [&sample, &shades, eye, nearest](const std::function<void(PointsRef, ValuesRef)>& visit) {
     Points points(3, kPictureBlock);
     Values colors(3, kPictureBlock);
     Eigen::Index count = 0;
@@ -41,7 +44,7 @@ ColoredPoints pointsToDraw(const MapSample& sample, const Eigen::Vector3f& eye, 
       const Eigen::Map<const Eigen::Vector3f> point(sample.positions.data() + 3 * i);
       if (sample.counts[i] == 0 || sample.moving[i] >= kMovingShare || (point - eye).norm() < nearest) continue;
       points.col(count) = point;
-      for (int c = 0; c < 3; ++c) colors(c, count) = sample.colors[3 * i + static_cast<std::size_t>(c)];
+      for (int c = 0; c < 3; ++c) colors(c, count) = shades[3 * i + static_cast<std::size_t>(c)];
       if (++count == kPictureBlock) give();
     }
     give();
@@ -49,8 +52,8 @@ ColoredPoints pointsToDraw(const MapSample& sample, const Eigen::Vector3f& eye, 
 }
 
 /// As a data: address.
-std::string pictureOf(const MapSample& sample, const Eigen::Isometry3d& pose, float nearest, double field_of_view,
-                      double point_size) {
+std::string pictureOf(const MapSample& sample, const std::vector<std::uint8_t>& shades, const Eigen::Isometry3d& pose,
+                      float nearest, double field_of_view, double point_size) {
   PictureParams params;
   params.width = 960;
   params.height = 540;
@@ -58,14 +61,27 @@ std::string pictureOf(const MapSample& sample, const Eigen::Isometry3d& pose, fl
   params.point_size = point_size;
   params.background = {246, 247, 249};
   std::vector<std::uint8_t> bytes;
-  cv::imencode(".jpg", drawPicture(pointsToDraw(sample, pose.translation().cast<float>(), nearest), pose, params),
+  cv::imencode(".jpg",
+               drawPicture(pointsToDraw(sample, shades, pose.translation().cast<float>(), nearest), pose, params),
                bytes, {cv::IMWRITE_JPEG_QUALITY, 85});
   return "data:image/jpeg;base64," + base64Of(bytes.data(), bytes.size());
 }
 
+/// Red, green, blue of numbers from 0 to `high`.
+template <class Number>
+std::vector<std::uint8_t> shadesOf(const std::vector<Number>& numbers, float high) {
+  const Eigen::Map<const Eigen::Matrix<Number, Eigen::Dynamic, 1>> column(numbers.data(),
+                                                                          static_cast<Eigen::Index>(numbers.size()));
+  const Values colors = colorScale(column.template cast<float>().eval(), 0, high);
+  std::vector<std::uint8_t> shades(static_cast<std::size_t>(colors.size()));
+  std::transform(colors.data(), colors.data() + colors.size(), shades.begin(),
+                 [](float value) { return static_cast<std::uint8_t>(value); });
+  return shades;
+}
+
 /// From above, and from the place in the middle of the drive.
 json picturesOf(const MapSample& sample, std::size_t num_points, const Recording& recording,
-                const std::vector<Eigen::Isometry3d>& poses) {
+                const std::vector<Eigen::Isometry3d>& poses, const json& map) {
   json pictures = json::object();
   const bool any_colored =
       std::any_of(sample.counts.begin(), sample.counts.end(), [](auto count) { return count > 0; });
@@ -77,10 +93,14 @@ json picturesOf(const MapSample& sample, std::size_t num_points, const Recording
   const double spacing = recording.voxelSize() > 0 ? recording.voxelSize() * thinning : cell;
   const double height = 1.1 * std::max(sizes.x() / 0.8, sizes.y() / 0.45) + sizes.z();
   const Eigen::Vector3d eye = center + Eigen::Vector3d(0, 0, height);
-  pictures["above"] =
-      pictureOf(sample, lookAt(eye, center, Eigen::Vector3d::UnitY()), 0, 44, 2 * std::max(spacing, cell));
-  pictures["camera"] =
-      pictureOf(sample, poses[poses.size() / 2], kBeforeTheEye * static_cast<float>(sizes.norm()), 80, 1.2 * spacing);
+  const auto above = [&](const std::vector<std::uint8_t>& shades) {
+    return pictureOf(sample, shades, lookAt(eye, center, Eigen::Vector3d::UnitY()), 0, 44, 2 * std::max(spacing, cell));
+  };
+  pictures["above"] = above(sample.colors);
+  pictures["camera"] = pictureOf(sample, sample.colors, poses[poses.size() / 2],
+                                 kBeforeTheEye * static_cast<float>(sizes.norm()), 80, 1.2 * spacing);
+  pictures["deviation"] = above(shadesOf(sample.deviations, static_cast<float>(map["shown_deviation"])));
+  pictures["thickness"] = above(shadesOf(sample.thicknesses, static_cast<float>(map["shown_thickness_m"])));
   return pictures;
 }
 
@@ -108,11 +128,7 @@ std::string insideScript(const json& value) {
   return text;
 }
 
-json edgePicturesOf(const Recording& recording, const Params& params, const json& alignment,
-                    const Callbacks& callbacks) {
-  Workspace work(recording, params);
-  work.restoreDamagedViews();
-  work.restoreCorrections();
+json edgePicturesOf(Workspace& work, const json& alignment, const Callbacks& callbacks) {
   return edgePictures(work, alignment.contains("views") ? alignment["views"] : json(), callbacks);
 }
 
@@ -125,12 +141,16 @@ json writeReport(const Recording& recording, const Params& params, const RunFact
   require(!error, "cannot create ", directory, ": ", error.message());
   const std::size_t drawn = std::max(kMostDrawn, run.max_points);
   const MapSample sample = sampleMap(recording, params, run.summary.num_points, drawn, callbacks);
+  Workspace work(recording, params);
+  work.restoreDamagedViews();
+  work.restoreCorrections();
   json facts = collectFacts(recording, params, run, sample);
+  facts["map"]["certainly_seen_colored_share"] = certainlySeenColored(work, sample);
   facts["lights"] = lightsOf(facts);
   const std::vector<Eigen::Isometry3d> poses = usedPoses(recording, params);
   json page_facts = facts;
-  page_facts["edges"] = edgePicturesOf(recording, params, facts["alignment"], callbacks);
-  page_facts["pictures"] = picturesOf(sample, run.summary.num_points, recording, poses);
+  page_facts["edges"] = edgePicturesOf(work, facts["alignment"], callbacks);
+  page_facts["pictures"] = picturesOf(sample, run.summary.num_points, recording, poses, facts["map"]);
   page_facts["path"] = pathOf(recording, poses);
   std::string points;
   page_facts["sample"] = packSample(sample, points, run.max_points);

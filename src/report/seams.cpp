@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
 #include <utility>
 
 #include "base/robust.hpp"
@@ -14,7 +14,8 @@ namespace cloud_colorizer {
 namespace {
 
 constexpr double kPointsAcross = 3;       // of a cell, where the points of a tile lie on one flat surface
-constexpr std::size_t kEnoughCells = 20;  // on borders, and inside
+constexpr std::size_t kEnoughCells = 20;  // on borders
+constexpr double kErrors = 3;             // standard errors that are no seam
 
 double typicalPoints(const std::vector<Tile>& tiles) {
   std::vector<std::size_t> counts;
@@ -43,51 +44,61 @@ SeamMeter::Side SeamMeter::sideOf(const ShownTile& shown, int axis, bool high) c
   Side side;
   for (Eigen::Index i = 0; i < shown.points.cols(); ++i) {
     const auto point = shown.points.col(i);
-    if (shown.colors.count[static_cast<std::size_t>(i)] == 0 || std::abs(point[axis] - plane) > reach_) continue;
-    Color& color = side[{static_cast<std::int32_t>(std::floor(point[u] / reach_)),
-                         static_cast<std::int32_t>(std::floor(point[v] / reach_))}];
-    color.sum += shown.colors.values.col(i).head<3>();
-    ++color.count;
+    const float distance = std::abs(point[axis] - plane);
+    if (shown.colors.count[static_cast<std::size_t>(i)] == 0 || distance > 2 * reach_) continue;
+    Column& column = side[{static_cast<std::int32_t>(std::floor(point[u] / reach_)),
+                           static_cast<std::int32_t>(std::floor(point[v] / reach_))}];
+    (distance > reach_ ? column.far : column.near).add(shown.colors.values.col(i).head<3>());
   }
   return side;
 }
 
+void SeamMeter::compare(const Side& low, const Side& high) {
+  const auto step = [](const Color& a, const Color& b) {
+    return static_cast<double>((a.sum / a.count - b.sum / b.count).cwiseAbs().mean());
+  };
+  for (const auto& [cell, column] : high) {
+    const auto across = low.find(cell);
+    if (across == low.end()) continue;
+    const Column& there = across->second;
+    if (std::min({column.near.count, column.far.count, there.near.count, there.far.count}) == 0) continue;
+    const double more =
+        step(column.near, there.near) - (step(column.near, column.far) + step(there.near, there.far)) / 2;
+    sum_ += more;
+    squares_ += more * more;
+    ++count_;
+  }
+}
+
 void SeamMeter::add(const ShownTile& shown) {
-  const TileIndex index = recording_.tiles()[shown.tile].index;
+  const auto& tiles = recording_.tiles();
+  const TileIndex index = tiles[shown.tile].index;
+  const auto chunkAt = [&](const TileIndex& at) -> std::optional<std::size_t> {
+    const auto tile = std::lower_bound(tiles.begin(), tiles.end(), at,
+                                       [](const Tile& other, const TileIndex& wanted) { return other.index < wanted; });
+    if (tile == tiles.end() || tile->index != at) return std::nullopt;
+    return chunk_of_[static_cast<std::size_t>(tile - tiles.begin())];
+  };
   for (int axis = 0; axis < 3; ++axis) {
     const auto found = open_.find({axis, index[0], index[1], index[2]});
     if (found != open_.end()) {
-      TileIndex before = index;
-      --before[static_cast<std::size_t>(axis)];
-      const auto& tiles = recording_.tiles();
-      const auto other = std::lower_bound(tiles.begin(), tiles.end(), before,
-                                          [](const Tile& tile, const TileIndex& at) { return tile.index < at; });
-      const bool is_border = chunk_of_[static_cast<std::size_t>(other - tiles.begin())] != chunk_of_[shown.tile];
-      Steps& steps = is_border ? border_ : inside_;
-      for (const auto& [cell, color] : sideOf(shown, axis, false)) {
-        const auto across = found->second.find(cell);
-        if (across == found->second.end()) continue;
-        const Color& there = across->second;
-        steps.sum += static_cast<double>((color.sum / color.count - there.sum / there.count).cwiseAbs().mean());
-        ++steps.count;
-      }
+      compare(found->second, sideOf(shown, axis, false));
       open_.erase(found);
     }
     TileIndex beyond = index;
     ++beyond[static_cast<std::size_t>(axis)];
-    Side side = sideOf(shown, axis, true);
-    if (!side.empty()) open_[{axis, beyond[0], beyond[1], beyond[2]}] = std::move(side);
-    // Tiles ascend by x: those before will not come.
-    constexpr std::int32_t kLeast = std::numeric_limits<std::int32_t>::min();
-    open_.erase(open_.lower_bound({axis, kLeast, kLeast, kLeast}), open_.lower_bound({axis, index[0], kLeast, kLeast}));
+    const auto chunk = chunkAt(beyond);
+    if (chunk && *chunk != chunk_of_[shown.tile]) {
+      open_[{axis, beyond[0], beyond[1], beyond[2]}] = sideOf(shown, axis, true);
+    }
   }
 }
 
 double SeamMeter::excess() const {
-  if (border_.count < kEnoughCells || inside_.count < kEnoughCells) return 0;
-  const double excess =
-      border_.sum / static_cast<double>(border_.count) - inside_.sum / static_cast<double>(inside_.count);
-  return std::max(0.0, excess);  // chunks are cut where there is little to differ
+  if (count_ < kEnoughCells) return 0;
+  const auto count = static_cast<double>(count_);
+  const double mean = sum_ / count, error = std::sqrt(std::max(0.0, squares_ / count - mean * mean) / count);
+  return std::max(0.0, mean - kErrors * error);
 }
 
 }  // namespace cloud_colorizer

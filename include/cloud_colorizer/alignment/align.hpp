@@ -79,9 +79,11 @@ struct CameraAlignment {
   Eigen::Isometry3d corrected_from_camera = Eigen::Isometry3d::Identity();  ///< shared correction, in its own frame
   double rotation = 0;                                                      ///< deg
   double translation = 0;                                                   ///< m
-  Eigen::Array2f vignetting = Eigen::Array2f::Zero();                       ///< see Exposure::vignetting
-  double time_offset = 0;            ///< s to add to the stamps for the best agreement
-  double time_offset_stddev = 0;     ///< s; 0 when there is no motion to tell it from
+  double rotation_error = 0;     ///< deg, standard error by the scatter of the corrections of the camera's views
+  double translation_error = 0;  ///< m, likewise
+  Eigen::Array2f vignetting = Eigen::Array2f::Zero();  ///< see Exposure::vignetting
+  double time_offset = 0;                              ///< s to add to the stamps for the best agreement
+  double time_offset_stddev = 0;                       ///< s; 0 when there is no motion to tell it from
   bool time_offset_suspect = false;  ///< this alone explains, at all moments, what held-back points show
   bool calibration_suspect = false;  ///< the shared correction alone explains it, at all moments and places
 };

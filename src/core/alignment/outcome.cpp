@@ -72,6 +72,20 @@ void Aligner::shareCommon(const Tracks& tracks) {
     ++counts[input_.views[v].camera];
   }
   for (std::size_t c = 0; c < sums.size(); ++c) state_.cameras[c] += sums[c] / std::max(1.0, counts[c]);
+
+  std::vector<double> turns(sums.size(), 0), shifts(sums.size(), 0);  // sums of squares
+  for (std::size_t v = 0; v < input_.views.size(); ++v) {
+    if (tracks.offsets[v] == tracks.offsets[v + 1]) continue;
+    const Twist own = state_.views[v] - expected(v);
+    turns[cameraOf(v)] += own.head<3>().squaredNorm();
+    shifts[cameraOf(v)] += own.tail<3>().squaredNorm();
+  }
+  for (std::size_t c = 0; c < sums.size(); ++c) {
+    const double pairs = counts[c] * (counts[c] - 1);
+    if (!(pairs > 0)) continue;
+    result_.cameras[c].rotation_error = std::sqrt(turns[c] / pairs) * 180 / M_PI;
+    result_.cameras[c].translation_error = std::sqrt(shifts[c] / pairs);
+  }
 }
 
 // Takes back what held-back points do not prove: first the views' own corrections, then those of clocks and cameras,

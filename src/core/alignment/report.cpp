@@ -146,6 +146,8 @@ std::string alignmentJson(const AlignmentResult& result, const std::vector<View>
   }
   for (const CameraAlignment& camera : result.cameras) {
     cameras.push_back({{"rotation_deg", camera.rotation},
+                       {"rotation_error_deg", camera.rotation_error},
+                       {"translation_error_m", camera.translation_error},
                        {"translation_m", camera.translation},
                        {"vignetting", {camera.vignetting[0], camera.vignetting[1]}},
                        {"time_offset_s", camera.time_offset},
