@@ -33,7 +33,7 @@ int runCity(int argc, char** argv) {
     if (line.has("cloud")) truth.emplace(line.option("cloud"));
     CityScore score(truth ? truth->fields() : reader.fields(), truth ? line.option("cloud") : file, reader.numPoints(),
                     file);
-    std::optional<SeamMeter> seams;
+    std::optional<CitySeams> seams;
     if (line.has("recording")) seams.emplace(Recording::open(line.option("recording")), line.params.chunks);
     ProgressMeter progress(callbacks, "score", reader.numPoints());
     for (Cloud block = reader.read(kBlock); block.positions.cols() > 0; block = reader.read(kBlock)) {
@@ -42,7 +42,7 @@ int runCity(int argc, char** argv) {
     }
     std::cout << score.describe() << "\n";
     if (!seams) return;
-    const SeamMeter::Steps steps = seams->steps();
+    const CitySeams::Steps steps = seams->steps();
     std::cout << "steps of the error at borders of chunks: " << formatNumber(steps.at_borders, 3)
               << ", beside them: " << formatNumber(steps.beside, 3) << "\n";
   });

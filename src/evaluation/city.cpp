@@ -30,7 +30,7 @@ LocatedField fieldOf(const std::vector<Field>& fields, const std::string& name, 
 
 }  // namespace
 
-SeamMeter::SeamMeter(const Recording& recording, const ChunkParams& params)
+CitySeams::CitySeams(const Recording& recording, const ChunkParams& params)
     : origin_(recording.origin()), tile_size_(recording.tileSize()), width_(tile_size_ / kCellsOfTile) {
   for (const Chunk& chunk : planChunks(recording.tiles(), tile_size_, params)) {
     for (const std::size_t tile : chunk.core_tiles) {
@@ -39,7 +39,7 @@ SeamMeter::SeamMeter(const Recording& recording, const ChunkParams& params)
   }
 }
 
-void SeamMeter::add(const Eigen::Vector3d& point, double error) {
+void CitySeams::add(const Eigen::Vector3d& point, double error) {
   const Eigen::Vector3d at = point - origin_;
   TileIndex tile{};
   for (int axis = 0; axis < 3; ++axis) {
@@ -53,7 +53,7 @@ void SeamMeter::add(const Eigen::Vector3d& point, double error) {
   }
 }
 
-void SeamMeter::addToPlane(std::size_t axis, std::int32_t plane, const Eigen::Vector3d& point, double error) {
+void CitySeams::addToPlane(std::size_t axis, std::int32_t plane, const Eigen::Vector3d& point, double error) {
   const auto along = static_cast<Index>(axis);
   const double strip = std::floor((point[along] - plane * tile_size_) / width_) + 2;
   if (strip < 0 || strip > 3) return;
@@ -65,7 +65,7 @@ void SeamMeter::addToPlane(std::size_t axis, std::int32_t plane, const Eigen::Ve
   ++strips.count[static_cast<std::size_t>(strip)];
 }
 
-SeamMeter::Steps SeamMeter::steps() const {
+CitySeams::Steps CitySeams::steps() const {
   Steps steps;
   double count = 0;
   for (const auto& [place, strips] : places_) {
@@ -88,7 +88,7 @@ CityScore::CityScore(const std::vector<Field>& truth_fields, const std::string& 
   hidden_ = fieldOf(truth_fields, "hidden", truth_source);
 }
 
-void CityScore::add(const Cloud& map, const Cloud& truth, SeamMeter* seams) {
+void CityScore::add(const Cloud& map, const Cloud& truth, CitySeams* seams) {
   const bool same = map.positions.cols() == truth.positions.cols() &&
                     (map.positions.cols() == 0 || (map.positions - truth.positions).cwiseAbs().maxCoeff() < kSamePlace);
   require(same, source_, ": its points are not those of the cloud with the truth, in their order");

@@ -19,9 +19,9 @@ namespace cloud_colorizer {
 
 /// Steps of the error from one side of a border between chunks to the other, and, for comparison, those between two
 /// strips of the same width on one side of it.
-class SeamMeter {
+class CitySeams {
  public:
-  SeamMeter(const Recording& recording, const ChunkParams& params);
+  CitySeams(const Recording& recording, const ChunkParams& params);
 
   /// A coloured point (map frame, m) and its signed error, of 255.
   void add(const Eigen::Vector3d& point, double error);
@@ -60,7 +60,7 @@ class CityScore {
 
   /// Further points of the map, and the same points with their truth; both may be one. `seams` may be null. Throws
   /// std::runtime_error where the points are not the same.
-  void add(const Cloud& map, const Cloud& truth, SeamMeter* seams);
+  void add(const Cloud& map, const Cloud& truth, CitySeams* seams);
 
   std::string describe() const;  ///< lines
 

@@ -10,6 +10,7 @@
 #include "base/progress.hpp"
 #include "cloud_colorizer/base/check.hpp"
 #include "cloud_colorizer/map/colorize.hpp"
+#include "evaluation/block_shifts.hpp"
 #include "evaluation/clouds.hpp"
 #include "evaluation/heldout_errors.hpp"
 #include "evaluation/heldout_pictures.hpp"
@@ -142,6 +143,11 @@ class Heldout {
     errors.given = is_corrected ? compareWithImage(map, seen, moved, {}).after_gain : errors.after_gain;
     const SeenImage refined = view.from(refinedPose(map, view, own, pose), points(), own);
     errors.refined = compareWithImage(map, refined, moved, {}).trimmed;
+    for (const BlockShift& shift : blockShifts(map, own, view.image)) errors.shifts.push_back(shift.pixels);
+    for (const BlockShift& warp : blockShifts(map, refined, view.image)) {
+      errors.warps.push_back(warp.pixels);
+      errors.shift_errors.push_back(warp.error);
+    }
     return errors;
   }
 

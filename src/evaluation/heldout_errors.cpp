@@ -47,8 +47,9 @@ void addSeams(const ColoredMap& map, const SeenImage& seen, const Values& predic
 }  // namespace
 
 void HeldoutErrors::add(const HeldoutErrors& other) {
-  for (const auto list : {&HeldoutErrors::raw, &HeldoutErrors::after_gain, &HeldoutErrors::given,
-                          &HeldoutErrors::trimmed, &HeldoutErrors::refined}) {
+  for (const auto list :
+       {&HeldoutErrors::raw, &HeldoutErrors::after_gain, &HeldoutErrors::given, &HeldoutErrors::trimmed,
+        &HeldoutErrors::refined, &HeldoutErrors::shifts, &HeldoutErrors::warps, &HeldoutErrors::shift_errors}) {
     (this->*list).insert((this->*list).end(), (other.*list).begin(), (other.*list).end());
   }
   squares += other.squares;
@@ -69,7 +70,8 @@ void HeldoutErrors::countMeasured(const ColoredMap& map, const std::vector<Index
 std::vector<std::string> HeldoutErrors::header() {
   return splitAt(
       "method,points,mean,median,mean_with_gain,median_with_gain,mean_given_pose,mean_trimmed,mean_refined_pose,"
-      "median_refined_pose,psnr,coverage,seam_step,moved_percent,visible_recall",
+      "median_refined_pose,psnr,coverage,seam_step,moved_percent,visible_recall,"
+      "shift_px,warp_px,shift_error_px",
       ',');
 }
 
@@ -92,7 +94,10 @@ std::vector<std::string> HeldoutErrors::cells(const std::string& method) const {
           formatNumber(share(colored, visible), 4),
           formatNumber(seam / static_cast<double>(seam_pairs), 3),
           formatNumber(100 * share(moved, colored), 2),
-          measured == 0 ? "-" : formatNumber(share(measured_colored, measured), 4)};
+          measured == 0 ? "-" : formatNumber(share(measured_colored, measured), 4),
+          medianOf(shifts),
+          medianOf(warps),
+          medianOf(shift_errors)};
 }
 
 Values predict(const ColoredMap& map, const SeenImage& seen, bool with_gain) {

@@ -24,7 +24,9 @@ struct ColoredMap {
 /// Errors of one method in one or more images.
 struct HeldoutErrors {
   std::vector<float> raw, after_gain, given, trimmed, refined;  ///< mean over the channels, by point
-  double squares = 0;                                           ///< sum over points and channels, after the gain
+  /// px, of blocks of the image: shift from the pose that goes with the map, from the refined one, its standard error
+  std::vector<float> shifts, warps, shift_errors;
+  double squares = 0;  ///< sum over points and channels, after the gain
   std::size_t visible = 0, colored = 0, moved = 0;
   std::size_t measured = 0, measured_colored = 0;  ///< points that a scan of the moment hit, in the image
   double seam = 0;
