@@ -7,6 +7,7 @@
 . "$(dirname "$0")/common.bash"
 . "$(dirname "$0")/spread.bash"
 make_recording
+export PATH=$PATH:/usr/sbin  # where Debian has the daemons, and only root looks
 
 port=$((20000 + RANDOM % 10000))
 slurm=$tmp/slurm
@@ -52,6 +53,11 @@ for ((tries = 0; tries < 100; ++tries)); do
   [ "$(sinfo -h -t idle -o %D 2>/dev/null)" = 2 ] && break
   sleep 0.2
 done
+if ((tries == 100)); then
+  problem "the cluster does not come up"
+  tail -n 5 "$slurm"/*.log "$slurm/munge.out"
+  exit 1
+fi
 
 # lose_node: n2 with all that runs on it, as when the machine is switched off.
 lose_node() {
@@ -67,8 +73,9 @@ lose_node() {
     done
   done
   # Slurm would wait two minutes before it runs the part again.
-  local job
-  while job=$(squeue -h -t pending -n surfels -o '%A %r' | grep -m 1 BeginTime) || [ -z "$(sinfo -h -n n2 -t down -o %D)" ]; do
+  local job deadline=$((SECONDS + 120))
+  while ((SECONDS < deadline)) && { job=$(squeue -h -t pending -n surfels -o '%A %r' | grep -m 1 BeginTime) ||
+    [ -z "$(sinfo -h -n n2 -t down -o %D)" ]; }; do
     [ -z "$job" ] || scontrol update "JobId=${job%% *}" StartTime=now || true
     sleep 0.5
   done

@@ -54,7 +54,8 @@ class Quantities : public ::testing::Test {
   /// 20 to 30 degrees from left to right: + y is left.
   Bytes thermalImage() const {
     cv::Mat1w image(intrinsics_.height, intrinsics_.width);
-    for (int u = 0; u < image.cols; ++u) image.col(u) = cv::saturate_cast<std::uint16_t>(100 * (273.15 + 20 + 10.0 * u / image.cols));
+    for (int u = 0; u < image.cols; ++u)
+      image.col(u) = cv::saturate_cast<std::uint16_t>(100 * (273.15 + 20 + 10.0 * u / image.cols));
     return encoded(image);
   }
   double temperatureAt(double y) const {
