@@ -18,11 +18,11 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3f;
 
-constexpr int kViews = 24, kLeaveOut = 6;  // every sixth view is left out
-constexpr float kGrazing = 0.15F;          // cosine, from which on a view sees a point
-constexpr float kSheen = 110, kNoise = 2;  // of 255
-constexpr float kCell = 20;                // spacings
-constexpr std::uint64_t kSeed = 7;
+constexpr int kViewsOfBall = 24, kLeaveOut = 6;  // every sixth view is left out
+constexpr float kGrazing = 0.15F;                // cosine, from which on a view sees a point
+constexpr float kSheen = 110, kNoiseOfBall = 2;  // of 255
+constexpr float kCellOfBall = 20;                // spacings
+constexpr std::uint64_t kSeedOfBall = 7;
 
 struct Ball {
   Points points, normals;
@@ -33,7 +33,7 @@ struct Ball {
   std::vector<std::uint8_t> left_out;  ///< one an observation
 };
 
-Vector3f light() {
+Vector3f lightOfBall() {
   return Vector3f(-0.35F, -0.62F, 0.8F).normalized();
 }
 
@@ -44,9 +44,9 @@ Vector3f albedoAt(const Vector3f& p) {
 
 std::vector<Vector3f> eyesOf(bool around) {
   std::vector<Vector3f> eyes;
-  for (int i = 0; i < kViews; ++i) {
-    const float angle = 6.2832F * static_cast<float>(i) / kViews,
-                along = -5 + 10 * static_cast<float>(i) / (kViews - 1);
+  for (int i = 0; i < kViewsOfBall; ++i) {
+    const float angle = 6.2832F * static_cast<float>(i) / kViewsOfBall,
+                along = -5 + 10 * static_cast<float>(i) / (kViewsOfBall - 1);
     const float height = 1 + 1.5F * static_cast<float>(i % 3);
     eyes.push_back(around ? Vector3f(4 * std::cos(angle), 4 * std::sin(angle), height) : Vector3f(along, -3.5F, 1));
   }
@@ -54,8 +54,8 @@ std::vector<Vector3f> eyesOf(bool around) {
 }
 
 float sheenAt(const Vector3f& normal, const Vector3f& to_view, float exponent) {
-  const Vector3f h = (to_view + light()).normalized();
-  return normal.dot(light()) > 0 ? kSheen * std::pow(std::max(0.F, normal.dot(h)), exponent) : 0;
+  const Vector3f h = (to_view + lightOfBall()).normalized();
+  return normal.dot(lightOfBall()) > 0 ? kSheen * std::pow(std::max(0.F, normal.dot(h)), exponent) : 0;
 }
 
 Ball makeBall(bool around, float exponent, int num_points) {
@@ -70,14 +70,15 @@ Ball makeBall(bool around, float exponent, int num_points) {
                 angle = 2.39996F * static_cast<float>(i);
     const Vector3f p(std::sqrt(1 - z * z) * std::cos(angle), std::sqrt(1 - z * z) * std::sin(angle), z);
     ball.points.col(i) = p;
-    ball.diffuse.col(i) = albedoAt(p) * (0.45F + 0.45F * std::max(0.F, p.dot(light())));
+    ball.diffuse.col(i) = albedoAt(p) * (0.45F + 0.45F * std::max(0.F, p.dot(lightOfBall())));
     ball.is_glossy.push_back(p.z() > 0);
-    for (std::uint32_t view = 0; view < kViews; ++view) {
+    for (std::uint32_t view = 0; view < kViewsOfBall; ++view) {
       const Vector3f to_view = (ball.eyes[view] - p).normalized();
       if (p.dot(to_view) < kGrazing) continue;
       const float sheen = ball.is_glossy.back() != 0 ? sheenAt(p, to_view, exponent) : 0;
       for (int c = 0; c < 3; ++c) {
-        values.push_back(ball.diffuse(c, i) + sheen + kNoise * static_cast<float>(gaussian(kSeed, values.size())));
+        values.push_back(ball.diffuse(c, i) + sheen +
+                         kNoiseOfBall * static_cast<float>(gaussian(kSeedOfBall, values.size())));
       }
       const bool is_left_out = view % kLeaveOut == kLeaveOut / 2;
       ball.left_out.push_back(is_left_out ? 1 : 0);
@@ -101,7 +102,7 @@ Errors errorsOf(const Ball& ball, Appearance appearance) {
   const Sights sights{ball.points, ball.normals, observations, ball.eyes};
   const float spacing = std::sqrt(4 * 3.14159F / static_cast<float>(ball.points.cols()));
   ProcessorWatch watch;
-  const Sheen sheen = takeOutSheen(sights, appearance, kCell * spacing, observations);
+  const Sheen sheen = takeOutSheen(sights, appearance, kCellOfBall * spacing, observations);
   Errors errors;
   errors.microseconds = 1e6 * watch.lap() / static_cast<double>(ball.points.cols());
   ZOrderGrid grid;

@@ -11,17 +11,17 @@
 #include <optional>
 
 #include "base/robust.hpp"
-#include "visibility/bilinear.hpp"
+#include "visibility/samplers.hpp"
 
 namespace cloud_colorizer {
 namespace {
 
 using Eigen::Index;
 
-constexpr int kColumns = 8;
-constexpr std::size_t kLeastPoints = 150;
+constexpr int kBlockColumns = 8;
+constexpr std::size_t kPointsOfBlock = 150;
 constexpr std::array<double, 3> kBlurs = {4, 2, 1};  // px
-constexpr int kRounds = 6;
+constexpr int kShiftRounds = 6;
 constexpr float kHuberLimit = 15;                    // grey levels
 constexpr float kMostError = 0.33F, kMostShift = 8;  // px
 
@@ -40,7 +40,7 @@ struct Level {
   }
 };
 
-float at(const cv::Mat1f& image, const Eigen::Vector2f& pixel) {
+float greyAt(const cv::Mat1f& image, const Eigen::Vector2f& pixel) {
   float value = 0;
   sampleBilinear<float>(image, pixel.x(), pixel.y(), &value);
   return value;
@@ -63,9 +63,9 @@ std::optional<Fit> improved(const std::vector<BlockPoint>& points, const Level& 
   std::vector<float> residuals;
   for (const BlockPoint& point : points) {
     const Eigen::Vector2f pixel = point.pixel + fit.unknowns.head<2>();
-    const float residual = at(level.grey, pixel) - fit.unknowns[2] * point.grey - fit.unknowns[3];
+    const float residual = greyAt(level.grey, pixel) - fit.unknowns[2] * point.grey - fit.unknowns[3];
     const float weight = std::min(1.F, kHuberLimit / std::max(1e-6F, std::abs(residual)));
-    const Eigen::Vector4f jacobian(at(level.by_x, pixel), at(level.by_y, pixel), -point.grey, -1);
+    const Eigen::Vector4f jacobian(greyAt(level.by_x, pixel), greyAt(level.by_y, pixel), -point.grey, -1);
     normal += weight * jacobian * jacobian.transpose();
     right -= weight * residual * jacobian;
     residuals.push_back(std::abs(residual));
@@ -83,7 +83,7 @@ std::optional<Fit> improved(const std::vector<BlockPoint>& points, const Level& 
 std::optional<BlockShift> shiftOf(const std::vector<BlockPoint>& points, const std::vector<Level>& levels) {
   Fit fit;
   for (const Level& level : levels) {
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kShiftRounds; ++round) {
       const std::optional<Fit> next = improved(points, level, fit);
       if (!next || next->unknowns.head<2>().norm() > kMostShift) return std::nullopt;
       fit = *next;
@@ -97,7 +97,7 @@ std::optional<BlockShift> shiftOf(const std::vector<BlockPoint>& points, const s
 }  // namespace
 
 std::vector<BlockShift> blockShifts(const ColoredMap& map, const SeenImage& seen, const cv::Mat3b& image) {
-  const float side = static_cast<float>(image.cols) / kColumns;
+  const float side = static_cast<float>(image.cols) / kBlockColumns;
   std::map<std::pair<int, int>, std::vector<BlockPoint>> blocks;
   for (std::size_t k = 0; k < seen.points.size(); ++k) {
     const Index p = seen.points[k];
@@ -108,10 +108,11 @@ std::vector<BlockShift> blockShifts(const ColoredMap& map, const SeenImage& seen
         {pixel, 0.299F * color[0] + 0.587F * color[1] + 0.114F * color[2]});
   }
   std::vector<Level> levels;
+  levels.reserve(kBlurs.size());
   for (const double blur : kBlurs) levels.emplace_back(image, blur);
   std::vector<BlockShift> shifts;
   for (const auto& [block, points] : blocks) {
-    if (points.size() < kLeastPoints) continue;
+    if (points.size() < kPointsOfBlock) continue;
     if (const auto shift = shiftOf(points, levels)) shifts.push_back(*shift);
   }
   return shifts;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/seen_image.hpp"
 
-#include "visibility/bilinear.hpp"
+#include "visibility/samplers.hpp"
 
 namespace cloud_colorizer {
 namespace {

@@ -136,7 +136,7 @@ struct Collector::Impl {
   std::string cameraFrame() const {
     for (const CameraStream& camera : cameras) {
       if (!camera.info()) continue;
-      const std::string frame = withoutSlash(camera.info()->header.frame_id);
+      std::string frame = withoutSlash(camera.info()->header.frame_id);
       if (transforms.has(frame)) return frame;
     }
     return {};

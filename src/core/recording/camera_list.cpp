@@ -41,7 +41,7 @@ std::string CameraList::copiedNames(const Quantity& quantity) const {
   if (quantity.names.empty()) return {};
   const std::vector<std::uint8_t> bytes = readFile(quantity.names);
   makeFolder(directory_, "names");
-  const std::string copy = "names/" + quantity.name + std::filesystem::path(quantity.names).extension().string();
+  std::string copy = "names/" + quantity.name + std::filesystem::path(quantity.names).extension().string();
   writeFileAtomically(directory_ + '/' + copy, bytes.data(), bytes.size());
   return copy;
 }

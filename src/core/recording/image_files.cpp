@@ -57,7 +57,7 @@ struct ImageFile {
   cv::Mat decodeNumbers(const Intrinsics& intrinsics) const {
     if (!isNpy(bytes)) return decodeAs(cv::IMREAD_UNCHANGED, intrinsics);
     try {
-      const cv::Mat image = matOfNpy(bytes);
+      cv::Mat image = matOfNpy(bytes);
       requireSize(image, intrinsics);
       return image;
     } catch (const std::runtime_error& error) {

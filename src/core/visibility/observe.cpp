@@ -9,7 +9,7 @@
 #include "cloud_colorizer/base/check.hpp"
 #include "surface/point_runs.hpp"
 #include "visibility/best_views.hpp"
-#include "visibility/bilinear.hpp"
+#include "visibility/samplers.hpp"
 
 namespace cloud_colorizer {
 namespace {
@@ -21,21 +21,11 @@ constexpr float kReach = 4;         // where they are nearer than this many surf
 constexpr float kLeastSupport = 0.2F, kLeastBallSupport = -0.2F;  // their mean, else the point is alone
 constexpr float kFullWeightBorder = 20;  // px from the usable border to where an observation counts fully
 
-using Sampler = void (*)(const cv::Mat&, float, float, float*);
-
-/// The number of a class between two others is a third class.
-template <class T>
-Sampler samplerOf(ImageKind kind) {
-  return kind == ImageKind::kLabels ? sampleNearest<T> : sampleBilinear<T>;
-}
-
 Sampler samplerOf(const ObservedView& view) {
-  const int depth = view.image->depth();
-  if (depth == CV_8U) return samplerOf<std::uint8_t>(view.kind);
-  if (depth == CV_16U) return samplerOf<std::uint16_t>(view.kind);
-  require<std::invalid_argument>(depth == CV_32F, "image of view ", view.id,
+  const Sampler sampler = samplerOf(view.image->depth(), view.kind);
+  require<std::invalid_argument>(sampler != nullptr, "image of view ", view.id,
                                  " has an element type other than CV_8U, CV_16U and CV_32F");
-  return samplerOf<float>(view.kind);
+  return sampler;
 }
 
 /// Nearly the largest value of the type: demosaicing and JPEG blur the limit. Floats have none.

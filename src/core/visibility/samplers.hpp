@@ -5,7 +5,11 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <opencv2/core.hpp>
+
+#include "cloud_colorizer/camera/view.hpp"
 
 namespace cloud_colorizer {
 
@@ -35,6 +39,21 @@ void sampleNearest(const cv::Mat& image, float u, float v, float* out) {
   const int y = std::min(std::max(static_cast<int>(std::lround(v)), 0), image.rows - 1);
   const T* const pixel = image.ptr<T>(y) + static_cast<std::ptrdiff_t>(x) * channels;
   std::copy(pixel, pixel + channels, out);
+}
+
+using Sampler = void (*)(const cv::Mat& image, float u, float v, float* out);
+
+/// The number of a class between two others is a third class.
+template <class T>
+Sampler samplerOf(ImageKind kind) {
+  return kind == ImageKind::kLabels ? sampleNearest<T> : sampleBilinear<T>;
+}
+
+/// For images of the type CV_8U, CV_16U or CV_32F; null for others.
+inline Sampler samplerOf(int depth, ImageKind kind) {
+  if (depth == CV_8U) return samplerOf<std::uint8_t>(kind);
+  if (depth == CV_16U) return samplerOf<std::uint16_t>(kind);
+  return depth == CV_32F ? samplerOf<float>(kind) : nullptr;
 }
 
 }  // namespace cloud_colorizer
